@@ -1,0 +1,77 @@
+// What a frame was and what it cost. Plain counters, always on; no clocks.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace occlude {
+
+/// What the image of a frame is, compared with drawing everything in the frustum.
+struct Guarantee {
+    enum class Kind : uint8_t {
+        exact,       ///< the same image, pixel by pixel
+        latent,      ///< made from answers `frames` frames old: something may appear that late
+        approximate, ///< objects of up to `threshold` visible samples may be missing
+    };
+    Kind kind = Kind::exact;
+    uint32_t frames = 0;
+    uint64_t threshold = 0;
+
+    static Guarantee exact() { return {}; }
+    static Guarantee latent(uint32_t frames) { return {Kind::latent, frames, 0}; }
+    static Guarantee approximate(uint64_t threshold) { return {Kind::approximate, 0, threshold}; }
+
+    bool operator==(const Guarantee&) const = default;
+};
+
+/// "exact", "latent(1)" or "approximate(20)".
+std::string to_string(const Guarantee& guarantee);
+
+struct FrameCounters {
+    uint64_t nodes_visited = 0; ///< nodes taken from the traversal queue
+    uint64_t queries = 0;       ///< tests issued; a multiquery is one
+    uint64_t boxes = 0;         ///< boxes in all tests
+    uint64_t multiqueries = 0;  ///< tests over more than one node
+    uint64_t multiqueries_failed =
+        0;                      ///< ... that came back visible, so that each node was tested again
+    uint64_t batches = 0;       ///< calls of query()
+    uint64_t state_changes = 0; ///< switches between drawing and testing, both ways
+    uint64_t draw_calls = 0;    ///< calls of draw() and draw_and_query()
+    uint64_t items_drawn = 0;
+    uint64_t triangles_drawn = 0;
+    uint64_t waits = 0;        ///< calls of wait()
+    uint64_t lost_answers = 0; ///< tests that the device could not answer: taken as visible
+    uint64_t depth_reads = 0;  ///< calls of read_depth()
+    uint64_t pixels_read = 0;
+
+    FrameCounters& operator+=(const FrameCounters& other);
+    bool operator==(const FrameCounters&) const = default;
+};
+
+/// Calls visit(name, value) for every counter, in a fixed order: the names of the JSON keys.
+template <class Counters, class Visit>
+void for_each_counter(Counters& c, Visit&& visit)
+{
+    visit("nodes_visited", c.nodes_visited);
+    visit("queries", c.queries);
+    visit("boxes", c.boxes);
+    visit("multiqueries", c.multiqueries);
+    visit("multiqueries_failed", c.multiqueries_failed);
+    visit("batches", c.batches);
+    visit("state_changes", c.state_changes);
+    visit("draw_calls", c.draw_calls);
+    visit("items_drawn", c.items_drawn);
+    visit("triangles_drawn", c.triangles_drawn);
+    visit("waits", c.waits);
+    visit("lost_answers", c.lost_answers);
+    visit("depth_reads", c.depth_reads);
+    visit("pixels_read", c.pixels_read);
+}
+
+struct FrameReport {
+    uint64_t frame = 0; ///< counts the cull() calls of this culler since it was made or reset
+    Guarantee guarantee;
+    FrameCounters counters;
+};
+
+} // namespace occlude

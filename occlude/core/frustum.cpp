@@ -1,0 +1,77 @@
+#include <occlude/core/frustum.h>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <cmath>
+
+namespace occlude {
+
+// A plane at unit normal. Planes whose normal vanishes beside `scale`, the length of the w row's
+// normal, bound nothing: they are the far planes of infinite projections after rounding.
+static glm::vec4 normalized_plane(const glm::dvec4& plane, double scale)
+{
+    const double length = glm::length(glm::dvec3{plane});
+    const bool bounds =
+        std::isfinite(length) && std::isfinite(plane.w) && length > 0.0 && length > 1e-6 * scale;
+    return bounds ? glm::vec4{plane / length} : glm::vec4{0.0f};
+}
+
+Frustum Frustum::from_clip(const glm::mat4& clip_from_world, ClipConvention convention)
+{
+    const glm::dmat4 rows = glm::transpose(glm::dmat4{clip_from_world});
+    const glm::dvec4 x = rows[0];
+    const glm::dvec4 y = rows[1];
+    const glm::dvec4 z = rows[2];
+    const glm::dvec4 w = rows[3];
+
+    const glm::dvec4 low_z = convention.range == DepthRange::minus_one_to_one ? w + z : z;
+    const glm::dvec4 high_z = w - z;
+    const bool reversed = convention.order == DepthOrder::near_is_large;
+
+    // Rows (Gribb and Hartmann 2001): a point is inside where w + x >= 0, and so on.
+    const double scale = glm::length(glm::dvec3{w});
+    Frustum frustum;
+    frustum.planes_[left] = normalized_plane(w + x, scale);
+    frustum.planes_[right] = normalized_plane(w - x, scale);
+    frustum.planes_[bottom] = normalized_plane(w + y, scale);
+    frustum.planes_[top] = normalized_plane(w - y, scale);
+    frustum.planes_[near] = normalized_plane(reversed ? high_z : low_z, scale);
+    frustum.planes_[far] = normalized_plane(reversed ? low_z : high_z, scale);
+    return frustum;
+}
+
+Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
+{
+    if (box.is_empty()) {
+        return Containment::outside;
+    }
+    if (!box.is_bounded()) {
+        return Containment::intersects;
+    }
+    const glm::vec3 center = box.center();
+    const glm::vec3 half = 0.5f * box.extent();
+    // Rounding of centre, extent and dot product: a few ulps of the largest term.
+    constexpr float kSlop = 1e-6f;
+    for (int i = 0; i < plane_count; ++i) {
+        const PlaneMask bit = static_cast<PlaneMask>(1u << i);
+        if ((mask & bit) == 0) {
+            continue;
+        }
+        const glm::vec3 normal{planes_[i]};
+        const float distance = glm::dot(normal, center) + planes_[i].w;
+        const float reach = glm::dot(glm::abs(normal), half);
+        const float slop =
+            kSlop * (glm::dot(glm::abs(normal), glm::abs(center)) + std::abs(planes_[i].w) + reach);
+        if (distance + reach < -slop) {
+            return Containment::outside;
+        }
+        if (distance - reach >= slop) {
+            mask = static_cast<PlaneMask>(mask & ~bit);
+        }
+    }
+    return mask == 0 ? Containment::inside : Containment::intersects;
+}
+
+} // namespace occlude

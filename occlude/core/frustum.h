@@ -1,0 +1,69 @@
+// The view frustum as planes taken from any projection matrix, and the conservative box test.
+//
+// Errs toward "inside": a box that touches the frustum is never called outside, while a box near an
+// edge or corner of the frustum may be called intersecting although it lies wholly outside.
+#pragma once
+
+#include <occlude/core/aabb.h>
+
+#include <glm/vec4.hpp>
+
+#include <array>
+#include <cstdint>
+
+namespace occlude {
+
+/// How the device's clip space measures depth. Left- or right-handedness does not matter here: it
+/// is in the matrix.
+enum class DepthRange : uint8_t {
+    minus_one_to_one, ///< OpenGL's default: visible where -w <= z <= w
+    zero_to_one,      ///< D3D, Vulkan, glClipControl: visible where 0 <= z <= w
+};
+enum class DepthOrder : uint8_t {
+    near_is_small, ///< nearer means smaller depth; cleared to 1, tested with LESS
+    near_is_large, ///< reverse Z: nearer means larger depth; cleared to 0, tested with GREATER
+};
+struct ClipConvention {
+    DepthRange range = DepthRange::minus_one_to_one;
+    DepthOrder order = DepthOrder::near_is_small;
+
+    bool operator==(const ClipConvention&) const = default;
+};
+
+enum class Containment : uint8_t { outside, intersects, inside };
+
+/// Bit i set: plane i must still be tested. A node wholly inside a plane clears the bit for all its
+/// descendants (plane masking).
+using PlaneMask = uint8_t;
+
+class Frustum {
+public:
+    enum Plane { left, right, bottom, top, near, far, plane_count };
+    static constexpr PlaneMask kAllPlanes = 0x3f;
+
+    Frustum() = default;
+
+    /// The frustum of a clip-from-world matrix: perspective, orthographic, off-centre, oblique,
+    /// infinite far, reversed depth. A plane that does not bound anything (the far plane of an
+    /// infinite projection) and a plane that is not finite never cull.
+    static Frustum from_clip(const glm::mat4& clip_from_world, ClipConvention convention);
+
+    /// A plane as (normal, offset): points inside have dot(normal, p) + offset >= 0. Normals have
+    /// length 1, so that the value is the distance in world units; (0, 0, 0, 0) bounds nothing.
+    const glm::vec4& plane(Plane which) const { return planes_[which]; }
+
+    /// Where `box` lies, testing only the planes in `mask`; clears the bits of the planes that the
+    /// whole box is inside of. Empty boxes are outside; unbounded and NaN boxes are never outside.
+    Containment classify(const Aabb& box, PlaneMask& mask) const;
+
+    Containment classify(const Aabb& box) const
+    {
+        PlaneMask mask = kAllPlanes;
+        return classify(box, mask);
+    }
+
+private:
+    std::array<glm::vec4, plane_count> planes_{};
+};
+
+} // namespace occlude

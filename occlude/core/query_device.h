@@ -1,0 +1,167 @@
+// The seam between the culling algorithms and whatever draws: one in-order stream of verbs.
+//
+// An engine implements QueryDevice (or wraps one of the backends around its draw callback); every
+// algorithm in cull/ talks to this and to nothing else.
+//
+// Required: caps, begin_frame, draw, query, flush, poll, wait, end_frame.
+// Optional: draw_and_query (caps.draw_and_query), read_depth (caps.read_depth).
+//
+// The contract. ValidatingDevice asserts each line by its name:
+//   C1  Frames do not nest: begin_frame, verbs, end_frame. Outside a frame only poll and wait are
+//   allowed. C2  Verbs take effect in call order. A test sees exactly the depth of the draws before
+//   it. C3  A test counts at least one sample if any sample inside its boxes could be seen. It may
+//   count
+//       more than an ideal one would (the boxes are a superset), never fewer than one then.
+//   C4  A test writes nothing: neither colour nor depth.
+//   C5  Boxes are bounded and do not touch the near rectangle (View::touches_near is false).
+//   C6  A test has at least one box. Boxes of one test may overlap; they count as one union.
+//   C7  A ticket is spent by the first poll or wait that answers ready or lost. A spent, foreign or
+//       overwritten ticket answers lost, which reads as visible.
+//   C8  A failed, lost or expired test answers lost: "visible". It never answers 0 samples.
+//   C9  poll never blocks. wait returns ready or lost, never pending.
+//   C10 An item is drawn at most once per frame and pass.
+//   C11 At most caps.max_outstanding tickets are unspent at any time; a test beyond that is lost.
+//   C12 end_frame may come while tickets are unspent; they stay good in later frames.
+#pragma once
+
+#include <occlude/core/aabb.h>
+#include <occlude/core/ids.h>
+#include <occlude/core/view.h>
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace occlude {
+
+/// How a device finds the answer to a test. A batch may name one; `automatic` is the device's
+/// default.
+enum class TestMethod : uint8_t {
+    automatic,
+    queries, ///< one hardware occlusion query per test
+    raster,  ///< all boxes rasterised into a flag buffer in one draw
+    pyramid, ///< depth read back and tested on the CPU
+};
+
+/// What a draw is for.
+enum class DrawPass : uint8_t {
+    shade,       ///< colour and depth
+    depth_only,  ///< depth now; the same items come again with `shade_equal`
+    shade_equal, ///< colour of items whose depth is already there (compare EQUAL, write no depth)
+};
+
+/// A device's own guess of what its test method costs, in microseconds. Used until costs are
+/// measured.
+struct TestCost {
+    TestMethod method = TestMethod::queries;
+    float us_per_batch = 0.0f;
+    float us_per_test = 0.0f;
+    float us_per_box = 0.0f;
+};
+
+struct DeviceCaps {
+    std::string name;
+    bool same_frame_results = true; ///< a result can be waited for in the frame that asked
+    bool exact_counts = true;       ///< sample counts; otherwise only zero or non-zero
+    bool draw_and_query = false;    ///< the verb of that name works
+    bool read_depth = false;        ///< the verb of that name works
+    uint32_t max_outstanding = 4096;
+    std::vector<TestCost> methods; ///< the test methods there are, the default first
+    float us_per_triangle = 0.15f;
+};
+
+/// One box of a test. The box is in the space of `world_from_box`, or in world space if that is
+/// null. Already inflated (View::inflated_for_test).
+struct QueryBox {
+    Aabb box;
+    const glm::mat4* world_from_box = nullptr; ///< must live until query() returns
+    NodeId subject; ///< what is tested, for logs, scripts and error messages; the device ignores it
+};
+
+/// Several tests with one change of state. Test i covers boxes [test_ends[i-1], test_ends[i]).
+struct QueryBatch {
+    std::span<const QueryBox> boxes;
+    std::span<const uint32_t> test_ends;
+    TestMethod method = TestMethod::automatic;
+};
+
+enum class AnswerState : uint8_t {
+    pending, ///< not known yet (poll only)
+    ready,   ///< `samples` is the count, or non-zero for "some" where counts are not exact
+    lost,    ///< nothing is known and nothing will be: visible
+};
+
+struct Answer {
+    static constexpr uint64_t kUnknownSamples = std::numeric_limits<uint64_t>::max();
+
+    AnswerState state = AnswerState::lost;
+    uint64_t samples =
+        kUnknownSamples; ///< kUnknownSamples unless ready, so that it reads as visible
+
+    static Answer pending() { return {AnswerState::pending, kUnknownSamples}; }
+    static Answer lost() { return {}; }
+    static Answer ready(uint64_t samples) { return {AnswerState::ready, samples}; }
+};
+
+/// A rectangle of pixels: x, y of the lower left one, then the size. Row 0 is the bottom row.
+struct PixelRect {
+    int x = 0;
+    int y = 0;
+    int width = 0;
+    int height = 0;
+
+    bool operator==(const PixelRect&) const = default;
+};
+
+class QueryDevice {
+public:
+    virtual ~QueryDevice() = default;
+
+    virtual const DeviceCaps& caps() const = 0;
+
+    /// Starts a frame: the camera is `view`, the target is cleared. Query pools may be reset here.
+    virtual void begin_frame(const View& view) = 0;
+
+    /// Draws the items, in this or any better order. One call, so that the engine can sort by
+    /// state.
+    virtual void draw(std::span<const ItemId> items, DrawPass pass) = 0;
+
+    /// Tests every union of boxes in `batch` against the depth of all draws so far, and writes one
+    /// ticket per test. Precondition: tickets.size() == batch.test_ends.size().
+    virtual void query(const QueryBatch& batch, std::span<Ticket> tickets) = 0;
+
+    /// Draws the items and counts the samples that passed while drawing.
+    virtual Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass);
+
+    /// Starts everything recorded so far.
+    virtual void flush() = 0;
+
+    /// The answer if it is there. Never blocks; spends the ticket unless pending.
+    virtual Answer poll(Ticket ticket) = 0;
+
+    /// The answer; blocks until it is there. Spends the ticket.
+    virtual Answer wait(Ticket ticket) = 0;
+
+    /// Reads window depth of the draws so far, 0 (near) to 1 (far) in every convention, the
+    /// farthest sample of each pixel, row by row from the bottom. Blocks. False, and `out` is
+    /// untouched, if the device cannot. Preconditions: rect inside the target; out.size() == width
+    /// * height.
+    virtual bool read_depth(const PixelRect& rect, std::span<float> out);
+
+    virtual void end_frame() = 0;
+};
+
+inline Ticket QueryDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
+{
+    draw(items, pass);
+    return Ticket{}; // answers lost: visible
+}
+
+inline bool QueryDevice::read_depth(const PixelRect&, std::span<float>)
+{
+    return false;
+}
+
+} // namespace occlude

@@ -1,0 +1,60 @@
+// One camera in one frame: what the culler and the device both need to know of it.
+#pragma once
+
+#include <occlude/core/aabb.h>
+#include <occlude/core/frustum.h>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+
+namespace occlude {
+
+class View {
+public:
+    View() = default;
+
+    /// A view from the matrix that the engine draws with (jitter of temporal antialiasing included:
+    /// boxes must be tested with the matrix that draws) and the size of the target in pixels.
+    /// Any projection: perspective, orthographic, off-centre, oblique, infinite, reversed. A matrix
+    /// that is singular or not finite gives a view in which nothing can be culled.
+    static View from_clip(const glm::mat4& clip_from_world, glm::ivec2 size_px,
+                          ClipConvention convention = {});
+
+    const glm::mat4& clip_from_world() const { return clip_from_world_; }
+    glm::ivec2 size_px() const { return size_px_; }
+    ClipConvention convention() const { return convention_; }
+    const Frustum& frustum() const { return frustum_; }
+
+    /// Perspective: the world position of the eye. Orthographic: meaningless.
+    const glm::vec3& eye() const { return eye_; }
+    bool orthographic() const { return orthographic_; }
+
+    /// A key that orders boxes near to far: for perspective the squared distance from the eye to
+    /// the nearest point of the box, for orthographic the distance of its nearest corner along the
+    /// view direction. Unbounded boxes come first.
+    float distance_key(const Aabb& box) const;
+
+    /// True if the near rectangle can touch the box, or the box is not bounded: then it must not be
+    /// tested, because its front faces may be clipped away, and counts as visible (rule R1). Errs
+    /// toward true: a box within the distance of the near rectangle's corners counts as touching.
+    bool touches_near(const Aabb& box) const;
+
+    /// The box as it must be handed to a test: grown so that its rasterisation covers a superset of
+    /// the samples of anything in it, although the two come through different vertex streams (rule
+    /// R2), with a minimum thickness for flat boxes. Always contains `box`.
+    Aabb inflated_for_test(const Aabb& box) const;
+
+private:
+    glm::mat4 clip_from_world_{1.0f};
+    glm::ivec2 size_px_{0};
+    ClipConvention convention_;
+    Frustum frustum_;
+    glm::vec3 eye_{0.0f};
+    float near_reach_ =
+        Aabb::kInfinity;       ///< from the eye to the farthest corner of the near rectangle
+    float pixel_per_w_ = 0.0f; ///< world size of one pixel at clip w = 1
+    bool orthographic_ = false;
+    bool degenerate_ = true;
+};
+
+} // namespace occlude

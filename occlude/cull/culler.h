@@ -1,0 +1,60 @@
+// What every algorithm is to its user: an object per view that culls one frame per call.
+#pragma once
+
+#include <occlude/core/frame_report.h>
+#include <occlude/core/ids.h>
+#include <occlude/core/query_device.h>
+#include <occlude/core/view.h>
+#include <occlude/cull/decision_log.h>
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <span>
+
+namespace occlude {
+
+/// One view's culler over one hierarchy: it owns the view's temporal state. Two eyes, a shadow map
+/// and a reflection are four cullers over one hierarchy. Not thread-safe; different cullers may run
+/// in different threads on different devices, since the hierarchy is const while culling.
+class Culler {
+public:
+    /// Keeps a reference: `hierarchy` outlives the culler. It may be refitted or replaced in place
+    /// between frames; a changed structure resets the culler by itself.
+    explicit Culler(const Hierarchy& hierarchy)
+        : hierarchy_(hierarchy)
+    {
+    }
+    virtual ~Culler() = default;
+    Culler(const Culler&) = delete;
+    Culler& operator=(const Culler&) = delete;
+
+    /// Culls and draws one whole frame: begin_frame to end_frame on `device`.
+    FrameReport cull(const View& view, QueryDevice& device);
+
+    /// Forgets everything seen: for a camera cut, a new level, another device.
+    void reset();
+
+    /// The items drawn by the last cull(), in draw order, each once. Valid until the next cull().
+    std::span<const ItemId> drawn_items() const { return drawn_items_; }
+
+    /// What the last cull() decided, and why. Valid until the next cull().
+    const DecisionLog& decisions() const { return decisions_; }
+
+    const Hierarchy& hierarchy() const { return hierarchy_; }
+
+protected:
+    friend class CullFrame;
+
+    /// One frame of the algorithm. `frame` counts from 0 since the last reset.
+    virtual void cull_frame(class CullFrame& frame) = 0;
+    virtual void reset_state() = 0;
+    virtual Guarantee guarantee() const { return Guarantee::exact(); }
+
+private:
+    const Hierarchy& hierarchy_;
+    uint64_t seen_structure_ = 0;
+    uint64_t next_frame_ = 0;
+    std::vector<ItemId> drawn_items_;
+    DecisionLog decisions_;
+};
+
+} // namespace occlude

@@ -1,0 +1,59 @@
+// What a culler decided for each part of the tree in one frame, and why: for pictures, for error
+// messages, and for hashes that prove two runs made the same decisions.
+#pragma once
+
+#include <occlude/core/ids.h>
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace occlude {
+
+enum class Decision : uint8_t {
+    undecided,      ///< nobody asked: above a decided node, or not reached
+    outside,        ///< outside the frustum
+    hidden,         ///< a test of its own found no sample
+    hidden_group,   ///< a test of several nodes found no sample
+    drawn,          ///< drawn without a test (known visible, or the algorithm does not test)
+    drawn_near,     ///< drawn because the near plane may touch its box
+    drawn_tested,   ///< drawn, and tested for the frames to come
+    drawn_revealed, ///< drawn because a test of this frame found samples
+};
+
+std::string_view to_string(Decision decision);
+
+/// True for the decisions that put the node's items into the image.
+constexpr bool is_drawn(Decision decision)
+{
+    return decision >= Decision::drawn;
+}
+
+class DecisionLog {
+public:
+    struct Entry {
+        NodeId node;
+        Decision decision;
+    };
+
+    void clear() { entries_.clear(); }
+    void add(NodeId node, Decision decision) { entries_.push_back({node, decision}); }
+
+    /// In the order they were made. `outside`, `hidden` and `hidden_group` speak for the whole
+    /// subtree; the others for a leaf, or for the own items of an inner node.
+    std::span<const Entry> entries() const { return entries_; }
+
+    /// One decision per item, indexed by ItemId. O(items).
+    std::vector<Decision> by_item(const Hierarchy& hierarchy) const;
+
+    /// A hash of (frame, drawn / hidden / outside, item), independent of the order in which
+    /// decisions were made: latency moves decisions in time and must not change them.
+    uint64_t hash(const Hierarchy& hierarchy, uint64_t frame) const;
+
+private:
+    std::vector<Entry> entries_;
+};
+
+} // namespace occlude

@@ -1,0 +1,64 @@
+// Every algorithm by name, with its options by name: what `occlude list`, `--algorithms` and
+// `--set` are made of.
+#pragma once
+
+#include <occlude/core/result.h>
+#include <occlude/cull/culler.h>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace occlude {
+
+struct OptionInfo {
+    std::string name;
+    std::string default_value;
+    std::string description;
+};
+
+/// What an algorithm needs beyond drawing and testing.
+struct Needs {
+    bool queries = false;     ///< asks the device tests
+    bool depth_read = false;  ///< reads the depth buffer
+    bool visible_set = false; ///< must be told the answer beforehand (`opt`, `ideal`)
+};
+
+using OptionValue = std::pair<std::string, std::string>;
+
+struct AlgorithmInfo {
+    std::string name;
+    std::string paper; ///< who published it, or "baseline"
+    std::string summary;
+    bool exact = true; ///< with its default options
+    Needs needs;
+    std::vector<OptionInfo> options;
+    Result<std::unique_ptr<Culler>> (*make)(const Hierarchy&,
+                                            std::span<const OptionValue>) = nullptr;
+};
+
+/// All algorithms, in the order in which tables show them.
+std::span<const AlgorithmInfo> algorithms();
+
+/// The algorithm of that name, or null.
+const AlgorithmInfo* find_algorithm(std::string_view name);
+
+/// A culler by name. Errors name the unknown algorithm or option and list what there is.
+Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
+                                            std::span<const OptionValue> options = {});
+
+/// Cullers that must be told beforehand what is visible derive from this too: call record() with
+/// the frame's view before the frame is culled. `opt` finds the leaves by an exact stop-and-wait
+/// pass on the device; `ideal` is told the items that own a pixel.
+class OracleCuller : public Culler {
+public:
+    using Culler::Culler;
+    /// Finds the answer for `view` (untimed). `owners` are the items that own at least one pixel of
+    /// an id buffer of this view; only `ideal` reads them.
+    virtual void record(const View& view, QueryDevice& device, std::span<const ItemId> owners) = 0;
+};
+
+} // namespace occlude

@@ -1,0 +1,31 @@
+// Bounding volume hierarchy by binned surface area heuristic.
+//
+// Implements  I. Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE
+//             Symposium on Interactive Ray Tracing 2007.
+// Deviations  Subtrees are built in parallel (oneTBB); the tree does not depend on the number of
+//             threads. The cost of a leaf counts triangles, not items: an occlusion test pays for a
+//             whole item, however many triangles it has.
+// Guarantees  Deterministic: the same boxes give the same tree on every compiler and thread count.
+// Cost        O(n log n); 1,000,000 boxes in under a second on two cores.
+#pragma once
+
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <span>
+
+namespace occlude {
+
+struct BvhOptions {
+    /// A node of at most this many items is not split further.
+    uint32_t max_leaf_items = 1;
+    /// Nodes with at most this many triangles become virtual leaves. The measured default; see
+    /// docs/hierarchy.md. 0: no virtual leaves.
+    uint32_t leaf_triangles = 4096;
+    uint32_t bins = 16;
+};
+
+/// A BVH over items 0 .. items.size()-1. Empty and unbounded boxes are allowed: unbounded ones are
+/// gathered in a leaf of their own below the root, so that they do not spoil the other boxes.
+Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options = {});
+
+} // namespace occlude

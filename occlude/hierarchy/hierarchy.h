@@ -1,0 +1,96 @@
+// The one tree that every algorithm walks: a flat array of nodes over the items of a scene.
+//
+//   node 0 is the root                      children of a node are contiguous
+//   parents come before their children      items of a subtree are contiguous:
+//
+//     items():  [ own items of N | subtree of child 0 | subtree of child 1 | ... ]
+//               ^ first_item     ^ first_item + own_items                   ^ first_item +
+//               subtree_items
+//
+// Leaf-only trees (BVH, octree) and trees with items in inner nodes (BSP) are the same type. A node
+// can also be marked a *virtual leaf*: algorithms treat it as a leaf, while its real descendants
+// still give tighter bounds (ShaderX7 8.4, "Tighter bounding volumes").
+#pragma once
+
+#include <occlude/core/aabb.h>
+#include <occlude/core/ids.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace occlude {
+
+/// What a builder needs to know of one item.
+struct ItemBounds {
+    Aabb box; ///< world space
+    uint32_t triangles = 0;
+};
+
+struct Node {
+    Aabb box; ///< around the items of the whole subtree; empty if all of them are
+    NodeId parent;
+    NodeId first_child;
+    uint32_t child_count = 0;
+    uint32_t first_item = 0; ///< into Hierarchy::items()
+    uint32_t own_items = 0;
+    uint32_t subtree_items = 0;
+    uint32_t subtree_triangles = 0;
+    uint32_t leaf = 0; ///< 1 for real and virtual leaves: nothing below is walked
+};
+static_assert(sizeof(Node) == 56);
+
+class Hierarchy {
+public:
+    std::span<const Node> nodes() const { return nodes_; }
+    const Node& node(NodeId id) const { return nodes_[id.value]; }
+    bool empty() const { return nodes_.empty(); }
+    NodeId root() const { return NodeId{0u}; }
+
+    /// Item ids in tree order: the order of draws.
+    std::span<const ItemId> items() const { return items_; }
+    std::span<const ItemId> own_items(NodeId id) const
+    {
+        return items().subspan(node(id).first_item, node(id).own_items);
+    }
+    std::span<const ItemId> subtree_items(NodeId id) const
+    {
+        return items().subspan(node(id).first_item, node(id).subtree_items);
+    }
+    /// Bounds of the items, in tree order: item_bounds()[i] belongs to items()[i].
+    std::span<const ItemBounds> item_bounds() const { return item_bounds_; }
+
+    /// A leaf for the algorithms: a node without children, or a virtual leaf.
+    bool is_leaf(NodeId id) const { return node(id).leaf != 0; }
+
+    /// Marks as virtual leaf every node whose subtree has at most `triangles` triangles and whose
+    /// parent has more. 0 leaves only the real leaves. O(nodes).
+    void set_virtual_leaves(uint32_t triangles);
+
+    /// Takes new bounds of all items, indexed by ItemId, and refits all boxes bottom-up, keeping
+    /// the structure. Triangle counts stay. O(items + nodes).
+    void refit(std::span<const ItemBounds> bounds_by_item);
+
+    /// Changes whenever node ids lose their meaning. Cullers drop what they remember when it does.
+    uint64_t structure_version() const { return structure_version_; }
+
+    /// Assembles a hierarchy from finished arrays; see the picture above. For builders.
+    static Hierarchy from_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
+                                 std::vector<ItemBounds> item_bounds);
+
+private:
+    std::vector<Node> nodes_;
+    std::vector<ItemId> items_;
+    std::vector<ItemBounds> item_bounds_;
+    uint64_t structure_version_ = 0;
+};
+
+/// The first broken rule of the picture above as a sentence, or an empty string. O(items + nodes).
+std::string validate(const Hierarchy& hierarchy);
+
+/// The expected cost of a random ray through the tree (surface area heuristic), relative to the
+/// root: sum over nodes of area(node) / area(root) * (inner: 1, leaf: items).
+double sah_cost(const Hierarchy& hierarchy);
+
+} // namespace occlude

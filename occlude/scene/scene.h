@@ -1,0 +1,99 @@
+// The objects of a scene as culling sees them: transforms, boxes and flags; no meshes.
+//
+// An *item* is what one draw draws. An *object* has a transform and one or more items: a simple
+// object has one, a complex one is partitioned in space into several. Objects can be added, moved
+// and removed at any time; a removed object's slot is used again under a new generation.
+#pragma once
+
+#include <occlude/core/aabb.h>
+#include <occlude/core/ids.h>
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <glm/mat4x4.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace occlude {
+
+enum class ItemFlags : uint8_t {
+    none = 0,
+    never_cull = 1,    ///< always drawn
+    never_occlude = 2, ///< drawn after all tests: hides nothing
+    translucent = 4,   ///< occludee only, drawn last, back to front
+    alpha_tested = 8,  ///< drawn with its test, occludes what it covers
+};
+constexpr ItemFlags operator|(ItemFlags a, ItemFlags b)
+{
+    return static_cast<ItemFlags>(static_cast<uint8_t>(a) | static_cast<uint8_t>(b));
+}
+constexpr bool has_flag(ItemFlags flags, ItemFlags flag)
+{
+    return (static_cast<uint8_t>(flags) & static_cast<uint8_t>(flag)) != 0;
+}
+
+struct ItemDesc {
+    Aabb local_box; ///< in the space of the object
+    uint32_t triangles = 0;
+    ItemFlags flags = ItemFlags::none;
+};
+
+class Scene {
+public:
+    /// Adds an object of items.size() >= 1 items. Item ids are taken from removed objects first,
+    /// and are contiguous: first_item(id) and the following ones. O(items).
+    ObjectId add(const glm::mat4& world_from_object, std::span<const ItemDesc> items);
+
+    /// Moves an object. False, and nothing happens, for a stale or foreign id. O(items of it).
+    bool move(ObjectId object, const glm::mat4& world_from_object);
+
+    /// Removes an object; its id is stale from now on. False for a stale or foreign id.
+    bool remove(ObjectId object);
+
+    bool alive(ObjectId object) const;
+    size_t object_count() const { return live_objects_; }
+
+    ItemId first_item(ObjectId object) const;
+    uint32_t item_count(ObjectId object) const;
+    const glm::mat4& world_from_object(ObjectId object) const;
+    /// The object that owns `item` now, or an invalid id if the slot is free.
+    ObjectId object_of(ItemId item) const;
+
+    /// World bounds of every item slot, indexed by ItemId. Free slots have empty boxes and 0
+    /// triangles.
+    std::span<const ItemBounds> item_bounds() const { return bounds_; }
+    ItemFlags item_flags(ItemId item) const { return flags_[item.value]; }
+
+    /// Triangles of all living items.
+    uint64_t triangle_count() const { return triangles_; }
+
+    /// Changes with every add and remove (a hierarchy must be rebuilt or patched) ...
+    uint64_t content_version() const { return content_version_; }
+    /// ... and with every move (a hierarchy must be refitted).
+    uint64_t motion_version() const { return motion_version_; }
+
+private:
+    struct Object {
+        glm::mat4 world_from_object{1.0f};
+        uint32_t generation = 0;
+        uint32_t first_item = 0;
+        uint32_t item_count = 0; ///< 0: the slot is free
+    };
+    const Object* find(ObjectId object) const;
+    void place(const Object& object);
+
+    std::vector<Object> objects_;
+    std::vector<uint32_t> free_objects_;
+    std::vector<ItemBounds> bounds_;
+    std::vector<Aabb> local_boxes_;
+    std::vector<ItemFlags> flags_;
+    std::vector<uint32_t> owner_;
+    std::vector<std::vector<uint32_t>> free_items_; ///< first slots of free runs, by run length
+    size_t live_objects_ = 0;
+    uint64_t triangles_ = 0;
+    uint64_t content_version_ = 0;
+    uint64_t motion_version_ = 0;
+};
+
+} // namespace occlude
