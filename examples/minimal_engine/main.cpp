@@ -20,8 +20,10 @@ static std::vector<ItemBounds> make_town()
     Rng rng{7};
     std::vector<ItemBounds> items;
     for (uint32_t i = 0; i < 14 * 14; ++i) {
-        const glm::vec3 corner{10.0f * static_cast<float>(i % 14), 0.0f,
-                               10.0f * static_cast<float>(i / 14)};
+        const uint32_t row = i / 14;
+        const uint32_t column = i % 14;
+        const glm::vec3 corner{10.0f * static_cast<float>(column), 0.0f,
+                               10.0f * static_cast<float>(row)};
         const glm::vec3 size{7.0f, rng.range(4.0f, 20.0f), 7.0f};
         items.push_back({{corner, corner + size}, 12});
         for (int piece = 0; piece < 3; ++piece) {
