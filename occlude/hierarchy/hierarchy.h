@@ -4,8 +4,9 @@
 //   parents come before their children      items of a subtree are contiguous:
 //
 //     items():  [ own items of N | subtree of child 0 | subtree of child 1 | ... ]
-//               ^ first_item     ^ first_item + own_items                   ^ first_item +
-//               subtree_items
+//               |                |                                           |
+//               first_item       first_item + own_items                      first_item +
+//                                                                            subtree_items
 //
 // Leaf-only trees (BVH, octree) and trees with items in inner nodes (BSP) are the same type. A node
 // can also be marked a *virtual leaf*: algorithms treat it as a leaf, while its real descendants
@@ -29,15 +30,15 @@ struct ItemBounds {
 };
 
 struct Node {
-    Aabb box; ///< around the items of the whole subtree; empty if all of them are
-    NodeId parent;
-    NodeId first_child;
+    Aabb box;           ///< around the items of the whole subtree; empty if all of them are
+    NodeId parent;      ///< invalid for the root
+    NodeId first_child; ///< invalid for a node without children
     uint32_t child_count = 0;
     uint32_t first_item = 0; ///< into Hierarchy::items()
     uint32_t own_items = 0;
     uint32_t subtree_items = 0;
-    uint32_t subtree_triangles = 0;
-    uint32_t leaf = 0; ///< 1 for real and virtual leaves: nothing below is walked
+    uint32_t subtree_triangles = 0; ///< stops at the largest number there is
+    uint32_t leaf = 0;              ///< 1 for real and virtual leaves: nothing below is walked
 };
 static_assert(sizeof(Node) == 56);
 
@@ -58,39 +59,53 @@ public:
     {
         return items().subspan(node(id).first_item, node(id).subtree_items);
     }
-    /// Bounds of the items, in tree order: item_bounds()[i] belongs to items()[i].
+    /// Bounds of the items, in tree order: item_bounds()[i] belongs to items()[i]. NaN boxes have
+    /// become Aabb::everything().
     std::span<const ItemBounds> item_bounds() const { return item_bounds_; }
 
     /// A leaf for the algorithms: a node without children, or a virtual leaf.
     bool is_leaf(NodeId id) const { return node(id).leaf != 0; }
 
     /// Marks as virtual leaf every node whose subtree has at most `triangles` triangles and whose
-    /// parent has more. 0 leaves only the real leaves. O(nodes).
+    /// parent has more; a node without children always is a leaf. 0 leaves only those. A node that
+    /// is unbounded, or has a child with an empty box, is never a virtual leaf: it would draw what
+    /// its children keep apart. Takes a new structure version. O(nodes).
     void set_virtual_leaves(uint32_t triangles);
 
     /// Takes new bounds of all items, indexed by ItemId, and refits all boxes bottom-up, keeping
-    /// the structure. Triangle counts stay. O(items + nodes).
+    /// the structure, the virtual leaves and the triangle counts. An item beyond the end of
+    /// `bounds_by_item` becomes unbounded (and is a caller's bug). O(items + nodes).
     void refit(std::span<const ItemBounds> bounds_by_item);
 
-    /// Changes whenever node ids lose their meaning. Cullers drop what they remember when it does.
+    /// Changes whenever node ids or leaves lose their meaning; no two structures of a process share
+    /// one, while copies do. Cullers drop what they remember when it changes.
     uint64_t structure_version() const { return structure_version_; }
 
-    /// Assembles a hierarchy from finished arrays; see the picture above. For builders.
+    /// Assembles a hierarchy from the shape that a builder found. The builder delivers of each node
+    /// first_child, child_count, first_item and own_items, laid out as in the picture above, the
+    /// item ids in tree order (each at most once) and the bounds of each, in the same order. All
+    /// else in a node (parent, box, sums, leaf) is derived here and need not be set. No nodes and
+    /// no items make an empty hierarchy. Asserting builds check the layout. O(items + nodes).
     static Hierarchy from_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
                                  std::vector<ItemBounds> item_bounds);
 
 private:
+    void refit_boxes();
+
     std::vector<Node> nodes_;
     std::vector<ItemId> items_;
     std::vector<ItemBounds> item_bounds_;
     uint64_t structure_version_ = 0;
 };
 
-/// The first broken rule of the picture above as a sentence, or an empty string. O(items + nodes).
+/// The first broken rule of the picture above as a sentence, or an empty string.
+/// O(nodes + items log items).
 std::string validate(const Hierarchy& hierarchy);
 
-/// The expected cost of a random ray through the tree (surface area heuristic), relative to the
-/// root: sum over nodes of area(node) / area(root) * (inner: 1, leaf: items).
+/// The expected cost of a random ray through the tree (surface area heuristic): the sum over nodes
+/// of area(node) / area(scene) * (1 if it has children, + its own items). Virtual leaves count as
+/// what they are, inner nodes. Empty and unbounded boxes are left out: the scene is the box around
+/// the bounded items. If its area is 0 every node counts fully. O(items + nodes).
 double sah_cost(const Hierarchy& hierarchy);
 
 } // namespace occlude

@@ -1,0 +1,27 @@
+# What `cmake --install` puts where, so that find_package(occlude CONFIG) gives occlude::occlude and,
+# where it was built, occlude::gl.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(OCCLUDE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/occlude)
+
+install(TARGETS occlude EXPORT occlude-targets FILE_SET HEADERS)
+install(EXPORT occlude-targets NAMESPACE occlude:: DESTINATION ${OCCLUDE_PACKAGE_DIR})
+if(TARGET occlude_gl)
+  set_target_properties(occlude_gl PROPERTIES EXPORT_NAME gl)
+  install(TARGETS occlude_gl EXPORT occlude-gl-targets FILE_SET HEADERS)
+  install(EXPORT occlude-gl-targets NAMESPACE occlude:: DESTINATION ${OCCLUDE_PACKAGE_DIR})
+endif()
+if(TARGET occlude_program)
+  install(TARGETS occlude_program)
+endif()
+
+configure_package_config_file(
+  ${CMAKE_CURRENT_LIST_DIR}/occlude-config.cmake.in
+  ${PROJECT_BINARY_DIR}/occlude-config.cmake
+  INSTALL_DESTINATION ${OCCLUDE_PACKAGE_DIR})
+write_basic_package_version_file(
+  ${PROJECT_BINARY_DIR}/occlude-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/occlude-config.cmake
+              ${PROJECT_BINARY_DIR}/occlude-config-version.cmake
+        DESTINATION ${OCCLUDE_PACKAGE_DIR})

@@ -1,0 +1,329 @@
+#include <occlude/cull/chc_plus_plus.h>
+
+#include <occlude/core/rng.h>
+
+#include <algorithm>
+
+namespace occlude {
+
+ChcPlusPlus::ChcPlusPlus(const Hierarchy& hierarchy, ChcPlusPlusOptions options)
+    : Culler(hierarchy)
+    , options_(options)
+{
+    options_.batch_size = std::max(options_.batch_size, 1u);
+    options_.v_fill = std::max(options_.v_fill, 1u);
+    options_.assume_visible_frames = std::max(options_.assume_visible_frames, 1u);
+}
+
+void ChcPlusPlus::reset_state()
+{
+    states_.clear();
+    keep_table_.clear();
+}
+
+Guarantee ChcPlusPlus::guarantee() const
+{
+    return options_.threshold == 0 ? Guarantee::exact()
+                                   : Guarantee::approximate(options_.threshold);
+}
+
+bool ChcPlusPlus::visible(NodeId node) const
+{
+    return node.value < states_.size() && states_[node.value].visible;
+}
+
+bool ChcPlusPlus::idle() const
+{
+    return distance_queue_.empty() && query_queue_.empty() && i_queue_.empty() && v_queue_.empty();
+}
+
+bool ChcPlusPlus::is_leaf(NodeId node) const
+{
+    return options_.virtual_leaves ? hierarchy().is_leaf(node)
+                                   : hierarchy().node(node).child_count == 0;
+}
+
+void ChcPlusPlus::pull_up_visibility(NodeId node)
+{
+    while (node.valid() && !states_[node.value].visible) {
+        states_[node.value].visible = true;
+        node = hierarchy().node(node).parent;
+    }
+}
+
+void ChcPlusPlus::traverse_node(CullFrame& frame, NodeId node, Decision decision)
+{
+    const PlaneMask mask = states_[node.value].mask;
+    if (is_leaf(node)) {
+        frame.draw_leaf(node, mask, decision);
+    } else {
+        frame.draw_own(node, mask, decision);
+        distance_queue_.push_children(hierarchy(), frame.view(), node, mask);
+    }
+    if (!options_.render_queue) {
+        frame.flush_draws();
+    }
+}
+
+// Figure 8.4.4: the first test of a node that turned visible comes after 1 .. n_av frames at
+// random, so that nodes that turn visible together are not tested together for ever after.
+uint32_t ChcPlusPlus::first_test_after(uint32_t stamp, NodeId node) const
+{
+    const uint32_t n_av = options_.assume_visible_frames;
+    const uint64_t random = hash64(options_.seed, node.value, stamp);
+    return stamp + (options_.jitter ? 1 + uniform_below(random, n_av) : n_av);
+}
+
+// --- issuing tests
+// -----------------------------------------------------------------------------------
+
+// Replaces a node by descendants, level by level, while their boxes are not too many and not too
+// large.
+void ChcPlusPlus::collect_tight_bounds(NodeId node)
+{
+    const auto nodes = hierarchy().nodes();
+    const float largest_area = options_.tight_bounds_area * surface_area(nodes[node.value].box);
+    tight_.assign(1, node);
+    for (uint32_t depth = 0; depth < options_.tight_bounds_depth; ++depth) {
+        tight_next_.clear();
+        float area = 0.0f;
+        for (const NodeId id : tight_) {
+            const Node& n = nodes[id.value];
+            // A node with items of its own is more than its children.
+            const bool opened = n.child_count > 0 && n.own_items == 0;
+            const uint32_t first = opened ? n.first_child.value : id.value;
+            const uint32_t count = opened ? n.child_count : 1;
+            for (uint32_t i = first; i < first + count; ++i) {
+                if (!nodes[i].box.is_empty()) {
+                    tight_next_.push_back(NodeId{i});
+                    area += surface_area(nodes[i].box);
+                }
+            }
+        }
+        if (area > largest_area || tight_next_.size() == tight_.size()) {
+            return;
+        }
+        std::swap(tight_, tight_next_);
+    }
+}
+
+// Collects one test over queried_nodes_[first, first + count).
+void ChcPlusPlus::add_test(CullFrame& frame, uint32_t first, uint32_t count)
+{
+    for (uint32_t i = first; i < first + count; ++i) {
+        const NodeId node = queried_nodes_[i];
+        collect_tight_bounds(node);
+        for (const NodeId part : tight_) {
+            batch_.add_box(frame.test_box(part), node);
+        }
+    }
+    batch_.end_test();
+    collected_.push_back({Ticket{}, first, count});
+    if (count > 1) {
+        ++frame.counters().multiqueries;
+    }
+}
+
+void ChcPlusPlus::add_node_test(CullFrame& frame, NodeId node)
+{
+    const auto first = static_cast<uint32_t>(queried_nodes_.size());
+    queried_nodes_.push_back(node);
+    add_test(frame, first, 1);
+}
+
+// IssueQuery for all collected tests: one change of state.
+void ChcPlusPlus::submit(CullFrame& frame)
+{
+    if (frame.queued_triangles() >= options_.min_render_triangles) {
+        frame.flush_draws();
+    }
+    frame.query(batch_, tickets_);
+    for (size_t i = 0; i < collected_.size(); ++i) {
+        collected_[i].ticket = tickets_[i];
+        query_queue_.push(collected_[i]);
+    }
+    batch_.clear();
+    collected_.clear();
+}
+
+void ChcPlusPlus::issue_multiqueries(CullFrame& frame)
+{
+    if (i_queue_.empty()) {
+        return;
+    }
+    candidates_.clear();
+    for (const NodeId node : i_queue_) {
+        const uint32_t frames_hidden = states_[node.value].frames_hidden;
+        const double keep = options_.multiqueries == ChcPlusPlusOptions::Multiqueries::measured
+                                ? keep_table_.keep_probability(frames_hidden)
+                                : analytic_keep_probability(frames_hidden);
+        candidates_.push_back({keep, static_cast<uint32_t>(candidates_.size()), node});
+    }
+    i_queue_.clear();
+    const bool grouped = options_.multiqueries != ChcPlusPlusOptions::Multiqueries::off;
+    if (grouped) {
+        // Descending: the greedy choice of a group relies on it.
+        std::sort(candidates_.begin(), candidates_.end(),
+                  [](const Candidate& a, const Candidate& b) {
+                      return a.keep != b.keep ? a.keep > b.keep : a.order < b.order;
+                  });
+    }
+
+    keep_.clear();
+    const auto first_node = static_cast<uint32_t>(queried_nodes_.size());
+    for (const Candidate& candidate : candidates_) {
+        keep_.push_back(candidate.keep);
+        queried_nodes_.push_back(candidate.node);
+    }
+    for (size_t done = 0; done < keep_.size();) {
+        const size_t size =
+            grouped ? best_multiquery_size(std::span<const double>{keep_}.subspan(done)) : 1;
+        add_test(frame, first_node + static_cast<uint32_t>(done), static_cast<uint32_t>(size));
+        done += size;
+    }
+    submit(frame);
+}
+
+void ChcPlusPlus::issue_visible(CullFrame& frame, size_t count)
+{
+    count = std::min(count, v_queue_.size());
+    if (count == 0) {
+        return;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        add_node_test(frame, v_queue_.pop());
+    }
+    submit(frame);
+}
+
+// --- handling results
+// --------------------------------------------------------------------------------
+
+void ChcPlusPlus::handle_node(CullFrame& frame, NodeId node, bool visible, Decision if_hidden)
+{
+    NodeState& state = states_[node.value];
+    if (!state.was_visible) {
+        keep_table_.record(state.frames_hidden, !visible);
+    }
+    if (visible) {
+        if (state.was_visible) {
+            state.next_test = frame.stamp() + options_.assume_visible_frames;
+        } else {
+            state.next_test = first_test_after(frame.stamp(), node);
+            traverse_node(frame, node, Decision::drawn_revealed);
+        }
+        state.frames_hidden = 0;
+        pull_up_visibility(node);
+    } else if (state.was_visible) {
+        state.frames_hidden = 0; // drawn in this frame; hidden from the next one on
+    } else {
+        ++state.frames_hidden;
+        frame.decide(node, if_hidden);
+    }
+}
+
+void ChcPlusPlus::handle_returned_query(CullFrame& frame, const PendingQuery& query,
+                                        const Answer& answer)
+{
+    const bool visible = is_visible(answer, options_.threshold);
+    if (visible && query.count > 1) {
+        ++frame.counters().multiqueries_failed;
+        for (uint32_t i = 0; i < query.count; ++i) {
+            add_test(frame, query.first + i, 1);
+        }
+        submit(frame);
+        return;
+    }
+    const Decision if_hidden = query.count > 1 ? Decision::hidden_group : Decision::hidden;
+    for (uint32_t i = 0; i < query.count; ++i) {
+        handle_node(frame, queried_nodes_[query.first + i], visible, if_hidden);
+    }
+}
+
+void ChcPlusPlus::handle_results(CullFrame& frame)
+{
+    while (!query_queue_.empty()) {
+        const PendingQuery query = query_queue_.front();
+        Answer answer = frame.poll(query.ticket);
+        if (answer.state == AnswerState::pending) {
+            if (!distance_queue_.empty()) {
+                return; // go on traversing: draining here would make this stop-and-wait per batch
+            }
+            if (!v_queue_.empty()) {
+                issue_visible(frame, options_.v_fill);
+                continue;
+            }
+            answer = frame.wait(query.ticket);
+        }
+        query_queue_.pop();
+        handle_returned_query(frame, query, answer);
+    }
+}
+
+// --- the main loop
+// -----------------------------------------------------------------------------------
+
+void ChcPlusPlus::visit_node(CullFrame& frame, DistanceQueue::Entry entry)
+{
+    const NodeId node = entry.node;
+    if (!frame.visit(node, entry.mask)) {
+        return; // last_visited stays: on re-entry the node is not "visible before" (R8)
+    }
+    NodeState& state = states_[node.value];
+    const bool known = state.last_visited + 1 == frame.stamp();
+    state.was_visible = state.visible && known;
+    state.frames_hidden = known ? state.frames_hidden : 0;
+    state.visible = false;
+    state.last_visited = frame.stamp();
+    state.mask = entry.mask;
+
+    if (frame.near(node)) {
+        pull_up_visibility(node);
+        state.next_test = first_test_after(frame.stamp(), node);
+        traverse_node(frame, node, Decision::drawn_near);
+    } else if (!state.was_visible) {
+        i_queue_.push_back(node); // QueryPreviouslyInvisibleNode
+        if (i_queue_.size() >= options_.batch_size) {
+            issue_multiqueries(frame);
+        }
+    } else if (!is_leaf(node)) {
+        traverse_node(frame, node, Decision::drawn);
+    } else if (frame.stamp() < state.next_test) { // not QueryReasonable
+        pull_up_visibility(node);
+        traverse_node(frame, node, Decision::drawn);
+    } else {
+        v_queue_.push(node);
+        if (!options_.v_queue) {
+            issue_visible(frame, 1);
+        }
+        traverse_node(frame, node, Decision::drawn_tested);
+    }
+}
+
+void ChcPlusPlus::cull_frame(CullFrame& frame)
+{
+    states_.resize(hierarchy().nodes().size());
+    queried_nodes_.clear();
+    if (options_.depth_only_pass) {
+        frame.use_depth_only_pass();
+    }
+    distance_queue_.push(hierarchy().root(), 0.0f, Frustum::kAllPlanes);
+
+    while (!distance_queue_.empty() || !i_queue_.empty() || !query_queue_.empty()) {
+        handle_results(frame);
+        if (!distance_queue_.empty()) {
+            visit_node(frame, distance_queue_.pop());
+        }
+        if (distance_queue_.empty()) {
+            issue_multiqueries(frame); // no nodes to traverse: issue what there is
+        }
+    }
+
+    // Everything visible is known. The rest of the v-queue is one batch; its results must be read
+    // before the next frame classifies nodes by them.
+    frame.flush_draws();
+    issue_visible(frame, v_queue_.size());
+    handle_results(frame);
+}
+
+} // namespace occlude

@@ -1,0 +1,129 @@
+// One frame of one culler: everything an algorithm says to the device goes through here, so that
+// the counters, the decision log and the list of drawn items always agree with what was said.
+#pragma once
+
+#include <occlude/core/frame_report.h>
+#include <occlude/core/query_device.h>
+#include <occlude/core/view.h>
+#include <occlude/cull/culler.h>
+#include <occlude/cull/decision_log.h>
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <span>
+#include <vector>
+
+namespace occlude {
+
+/// Tests collected for one batch: boxes, and where each test ends.
+class TestBatch {
+public:
+    void clear()
+    {
+        boxes_.clear();
+        ends_.clear();
+    }
+    bool empty() const { return ends_.empty(); }
+    size_t test_count() const { return ends_.size(); }
+
+    /// Adds a box to the test being collected.
+    void add_box(const Aabb& inflated_box, NodeId subject)
+    {
+        boxes_.push_back({inflated_box, nullptr, subject});
+    }
+    /// Ends the test being collected. Precondition: it has a box.
+    void end_test() { ends_.push_back(static_cast<uint32_t>(boxes_.size())); }
+
+    std::span<const QueryBox> boxes() const { return boxes_; }
+    std::span<const uint32_t> test_ends() const { return ends_; }
+
+private:
+    std::vector<QueryBox> boxes_;
+    std::vector<uint32_t> ends_;
+};
+
+class CullFrame {
+public:
+    CullFrame(Culler& culler, const View& view, QueryDevice& device, FrameReport& report);
+
+    const View& view() const { return view_; }
+    const Hierarchy& hierarchy() const { return hierarchy_; }
+    const DeviceCaps& caps() const { return device_.caps(); }
+    /// Counts from 1 since the last reset, so that 0 can mean "never".
+    uint32_t stamp() const { return static_cast<uint32_t>(report_.frame) + 1; }
+    FrameCounters& counters() { return report_.counters; }
+
+    // --- looking ---
+
+    /// True unless the node is outside the frustum; logs it if so. Clears from `mask` the planes
+    /// that its descendants need not test. Counts one visited node.
+    bool visit(NodeId node, PlaneMask& mask);
+
+    /// Rule R1: the near plane may touch the node's (inflated) box, so that it must not be tested.
+    bool near(NodeId node) const;
+
+    /// The node's box as a test must see it (rule R2).
+    Aabb test_box(NodeId node) const { return view_.inflated_for_test(hierarchy_.node(node).box); }
+
+    // --- drawing ---
+
+    /// Puts a leaf's items into the render queue: those that are not outside the planes in `mask`.
+    void draw_leaf(NodeId leaf, PlaneMask mask, Decision decision);
+    /// ... the items of an inner node itself, without its children.
+    void draw_own(NodeId node, PlaneMask mask, Decision decision);
+    /// ... items by id, in this order (for algorithms that know them otherwise).
+    void draw_items(std::span<const ItemId> items, uint64_t triangles);
+
+    uint64_t queued_triangles() const { return queued_triangles_; }
+
+    /// Hands the render queue to the device as one batch; nothing if it is empty.
+    void flush_draws();
+
+    /// Draws a leaf at once and counts its own samples: a test with the geometry itself.
+    Ticket draw_and_query(NodeId leaf, PlaneMask mask, Decision decision);
+
+    /// Draws depth only from now on; finish() then shades all drawn items in one batch.
+    void use_depth_only_pass() { pass_ = DrawPass::depth_only; }
+
+    // --- testing ---
+
+    /// Issues the collected tests as one batch and writes their tickets; starts them at once.
+    void query(const TestBatch& batch, std::vector<Ticket>& tickets);
+    /// Tests one node's box.
+    Ticket query(NodeId node);
+
+    Answer poll(Ticket ticket);
+    Answer wait(Ticket ticket);
+
+    /// Reads back depth; see QueryDevice::read_depth.
+    bool read_depth(const PixelRect& rect, std::span<float> out);
+
+    /// Logs a decision that draws nothing: the node was found hidden.
+    void decide(NodeId node, Decision decision) { culler_.decisions_.add(node, decision); }
+
+    /// Draws what is still queued, shades after a depth-only pass, ends the device's frame.
+    void finish();
+
+private:
+    void draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask, Decision decision);
+    void enter_state(bool testing);
+    Answer counted(Answer answer);
+
+    Culler& culler_;
+    const Hierarchy& hierarchy_;
+    const View& view_;
+    QueryDevice& device_;
+    FrameReport& report_;
+    std::vector<ItemId>& drawn_; ///< all items drawn or queued in this frame
+    size_t flushed_ = 0;         ///< how many of `drawn_` the device has got
+    uint64_t queued_triangles_ = 0;
+    DrawPass pass_ = DrawPass::shade;
+    bool testing_ = false;
+};
+
+/// A visibility threshold in samples: above it, or unknown, is visible.
+inline bool is_visible(const Answer& answer, uint64_t threshold)
+{
+    return answer.state != AnswerState::ready || answer.samples > threshold;
+}
+
+} // namespace occlude

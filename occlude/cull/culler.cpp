@@ -1,0 +1,30 @@
+#include <occlude/cull/culler.h>
+
+#include <occlude/cull/cull_frame.h>
+
+namespace occlude {
+
+FrameReport Culler::cull(const View& view, QueryDevice& device)
+{
+    if (seen_structure_ != hierarchy_.structure_version()) {
+        reset();
+        seen_structure_ = hierarchy_.structure_version();
+    }
+    FrameReport report;
+    report.frame = next_frame_++;
+    report.guarantee = guarantee();
+    CullFrame frame(*this, view, device, report);
+    if (!hierarchy_.empty()) {
+        cull_frame(frame);
+    }
+    frame.finish();
+    return report;
+}
+
+void Culler::reset()
+{
+    next_frame_ = 0;
+    reset_state();
+}
+
+} // namespace occlude

@@ -1,0 +1,37 @@
+// A first-in first-out queue over one vector: no allocation once it has grown, unlike std::queue.
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace occlude {
+
+template <class T>
+class Fifo {
+public:
+    bool empty() const { return head_ == items_.size(); }
+    size_t size() const { return items_.size() - head_; }
+    const T& front() const { return items_[head_]; }
+    void push(T item) { items_.push_back(std::move(item)); }
+
+    T pop()
+    {
+        T item = std::move(items_[head_++]);
+        if (empty()) {
+            clear();
+        }
+        return item;
+    }
+    void clear()
+    {
+        items_.clear();
+        head_ = 0;
+    }
+
+private:
+    std::vector<T> items_;
+    size_t head_ = 0;
+};
+
+} // namespace occlude

@@ -1,0 +1,33 @@
+// View frustum culling and nothing else: the baseline that every method is compared with.
+//
+// Implements  hierarchical view frustum culling with plane masking, near to far.
+// Deviations  none: one draw batch for the whole frame, so that the engine can sort as it likes.
+// Guarantees  exact: it defines the image that all exact methods must reproduce.
+// Cost        O(visited nodes) frustum tests; no tests on the device.
+#pragma once
+
+#include <occlude/cull/culler.h>
+
+#include <utility>
+#include <vector>
+
+namespace occlude {
+
+class FrustumCuller final : public Culler {
+public:
+    using Culler::Culler;
+
+private:
+    struct Pending {
+        NodeId node;
+        PlaneMask mask;
+    };
+
+    void cull_frame(CullFrame& frame) override;
+    void reset_state() override {}
+
+    std::vector<Pending> stack_;
+    std::vector<std::pair<float, NodeId>> children_;
+};
+
+} // namespace occlude

@@ -1,0 +1,68 @@
+#include <occlude/cull/oracle_cullers.h>
+
+#include <occlude/cull/cull_frame.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace occlude {
+
+void Opt::record(const View& view, QueryDevice& device, std::span<const ItemId>)
+{
+    pass_.cull(view, device);
+}
+
+void Opt::cull_frame(CullFrame& frame)
+{
+    for (const DecisionLog::Entry& entry : pass_.decisions().entries()) {
+        PlaneMask mask = Frustum::kAllPlanes;
+        if (!is_drawn(entry.decision)) {
+            frame.decide(entry.node, entry.decision);
+        } else if (hierarchy().is_leaf(entry.node)) {
+            frame.visit(entry.node, mask);
+            frame.draw_leaf(entry.node, mask, Decision::drawn);
+        } else {
+            frame.draw_own(entry.node, mask, Decision::drawn);
+        }
+    }
+}
+
+void Ideal::index_items()
+{
+    if (indexed_structure_ == hierarchy().structure_version()) {
+        return;
+    }
+    indexed_structure_ = hierarchy().structure_version();
+    position_of_item_.clear();
+    const auto items = hierarchy().items();
+    for (uint32_t i = 0; i < items.size(); ++i) {
+        if (items[i].value >= position_of_item_.size()) {
+            position_of_item_.resize(items[i].value + 1, 0);
+        }
+        position_of_item_[items[i].value] = i;
+    }
+}
+
+void Ideal::record(const View& view, QueryDevice&, std::span<const ItemId> owners)
+{
+    index_items();
+    std::vector<std::pair<float, ItemId>> order;
+    visible_triangles_ = 0;
+    for (const ItemId item : owners) {
+        const ItemBounds& bounds = hierarchy().item_bounds()[position_of_item_[item.value]];
+        order.emplace_back(view.distance_key(bounds.box), item);
+        visible_triangles_ += bounds.triangles;
+    }
+    std::sort(order.begin(), order.end());
+    visible_.clear();
+    for (const auto& [distance, item] : order) {
+        visible_.push_back(item);
+    }
+}
+
+void Ideal::cull_frame(CullFrame& frame)
+{
+    frame.draw_items(visible_, visible_triangles_);
+}
+
+} // namespace occlude

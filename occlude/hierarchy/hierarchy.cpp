@@ -1,0 +1,290 @@
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <occlude/core/assert.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <utility>
+
+namespace occlude {
+
+// Never decides anything but "changed", so a process-wide counter costs no determinism.
+static uint64_t next_structure_version()
+{
+    static std::atomic<uint64_t> last{0};
+    return ++last;
+}
+
+static uint32_t saturating_add(uint32_t a, uint32_t b)
+{
+    return a + std::min(b, std::numeric_limits<uint32_t>::max() - a);
+}
+
+// The triangles in the subtree of `node`, from its items and the finished sums of its children.
+static uint32_t triangle_sum(const Node& node, std::span<const Node> nodes,
+                             std::span<const ItemBounds> item_bounds)
+{
+    uint32_t sum = 0;
+    for (const ItemBounds& item : item_bounds.subspan(node.first_item, node.own_items)) {
+        sum = saturating_add(sum, item.triangles);
+    }
+    for (uint32_t c = 0; c < node.child_count; ++c) {
+        sum = saturating_add(sum, nodes[node.first_child.value + c].subtree_triangles);
+    }
+    return sum;
+}
+
+// The box around the items of `node` and the finished boxes of its children.
+static Aabb merged_box(const Node& node, std::span<const Node> nodes,
+                       std::span<const ItemBounds> item_bounds)
+{
+    Aabb box;
+    for (const ItemBounds& item : item_bounds.subspan(node.first_item, node.own_items)) {
+        box = merge(box, item.box);
+    }
+    for (uint32_t c = 0; c < node.child_count; ++c) {
+        box = merge(box, nodes[node.first_child.value + c].box);
+    }
+    return box;
+}
+
+static std::string sentence(size_t node, const char* what)
+{
+    return "node " + std::to_string(node) + " " + what;
+}
+
+// Checks what a builder delivers of one node, and the parents and item sums that follow from it.
+static std::string check_links(const Hierarchy& hierarchy, size_t id)
+{
+    const std::span<const Node> nodes = hierarchy.nodes();
+    const Node& node = nodes[id];
+    if (id > 0) {
+        if (node.parent.value >= id) {
+            return sentence(id, "does not come after its parent");
+        }
+        const Node& parent = nodes[node.parent.value];
+        if (id < parent.first_child.value || id - parent.first_child.value >= parent.child_count) {
+            return sentence(id, "is not among the children of its parent");
+        }
+    }
+    if (node.child_count == 0) {
+        if (node.first_child.valid()) {
+            return sentence(id, "names a first child but has no children");
+        }
+    } else if (node.first_child.value <= id || node.first_child.value >= nodes.size() ||
+               node.child_count > nodes.size() - node.first_child.value) {
+        return sentence(id, "has children outside of the nodes after it");
+    }
+    uint64_t next_item = uint64_t{node.first_item} + node.own_items;
+    for (uint32_t c = 0; c < node.child_count; ++c) {
+        const Node& child = nodes[node.first_child.value + c];
+        if (child.parent != NodeId{id}) {
+            return sentence(node.first_child.value + c, "does not name its parent");
+        }
+        if (child.first_item != next_item) {
+            return sentence(node.first_child.value + c, "does not begin where its sibling's or "
+                                                        "parent's items end");
+        }
+        next_item += child.subtree_items;
+    }
+    if (next_item != uint64_t{node.first_item} + node.subtree_items) {
+        return sentence(id, "does not count the items of its subtree");
+    }
+    return {};
+}
+
+static std::string check_items(const Hierarchy& hierarchy)
+{
+    if (hierarchy.items().size() != hierarchy.item_bounds().size()) {
+        return "there are not as many item bounds as items";
+    }
+    std::vector<ItemId> sorted(hierarchy.items().begin(), hierarchy.items().end());
+    std::sort(sorted.begin(), sorted.end());
+    if (!sorted.empty() && !sorted.back().valid()) {
+        return "an item id is invalid";
+    }
+    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+    if (twice != sorted.end()) {
+        return "item " + std::to_string(twice->value) + " is in the tree more than once";
+    }
+    return {};
+}
+
+// The part of validate() that concerns the shape: after it, every range lies within its array.
+static std::string check_structure(const Hierarchy& hierarchy)
+{
+    if (std::string problem = check_items(hierarchy); !problem.empty()) {
+        return problem;
+    }
+    const std::span<const Node> nodes = hierarchy.nodes();
+    if (nodes.empty()) {
+        return hierarchy.items().empty() ? "" : "there are items but no nodes";
+    }
+    if (nodes[0].parent.valid()) {
+        return sentence(0, "is the root but has a parent");
+    }
+    if (nodes[0].first_item != 0 || nodes[0].subtree_items != hierarchy.items().size()) {
+        return sentence(0, "is the root but does not cover all items");
+    }
+    for (size_t id = 0; id < nodes.size(); ++id) {
+        if (std::string problem = check_links(hierarchy, id); !problem.empty()) {
+            return problem;
+        }
+    }
+    return {};
+}
+
+// Checks what is derived from the shape and the items.
+static std::string check_derived(const Hierarchy& hierarchy)
+{
+    const std::span<const Node> nodes = hierarchy.nodes();
+    const std::span<const ItemBounds> item_bounds = hierarchy.item_bounds();
+    for (size_t i = 0; i < item_bounds.size(); ++i) {
+        if (item_bounds[i].box.has_nan()) {
+            return "the box of item " + std::to_string(hierarchy.items()[i].value) + " is NaN";
+        }
+    }
+    std::vector<bool> below_leaf(nodes.size(), false); // below a virtual leaf
+    for (size_t id = 0; id < nodes.size(); ++id) {
+        const Node& node = nodes[id];
+        if (node.box != merged_box(node, nodes, item_bounds)) {
+            return sentence(id, "does not have the box around its items and children");
+        }
+        if (node.subtree_triangles != triangle_sum(node, nodes, item_bounds)) {
+            return sentence(id, "does not count the triangles of its subtree");
+        }
+        if (node.leaf > 1 || (node.child_count == 0 && node.leaf == 0)) {
+            return sentence(id,
+                            "has no children but is not a leaf, or its leaf mark is not 0 or 1");
+        }
+        if (id > 0) {
+            const size_t parent = node.parent.value;
+            below_leaf[id] = below_leaf[parent] || nodes[parent].leaf != 0;
+        }
+        if (below_leaf[id] && node.child_count > 0 && node.leaf != 0) {
+            return sentence(id, "is a virtual leaf below a virtual leaf");
+        }
+    }
+    return {};
+}
+
+Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
+                                 std::vector<ItemBounds> item_bounds)
+{
+    Hierarchy result;
+    result.nodes_ = std::move(nodes);
+    result.items_ = std::move(items);
+    result.item_bounds_ = std::move(item_bounds);
+    result.structure_version_ = next_structure_version();
+
+    for (ItemBounds& item : result.item_bounds_) {
+        item.box = sanitized(item.box);
+    }
+    const std::span<Node> all = result.nodes_;
+    if (!all.empty()) {
+        all[0].parent = NodeId{};
+    }
+    // Backward, so that children are finished before their parents.
+    for (size_t id = all.size(); id-- > 0;) {
+        Node& node = all[id];
+        node.leaf = node.child_count == 0 ? 1 : 0;
+        if (node.child_count == 0) {
+            node.first_child = NodeId{};
+        }
+        node.subtree_items = node.own_items;
+        const bool in_range = node.first_child.value <= all.size() &&
+                              node.child_count <= all.size() - node.first_child.value;
+        for (uint32_t c = 0; in_range && c < node.child_count; ++c) {
+            Node& child = all[node.first_child.value + c];
+            child.parent = NodeId{id};
+            node.subtree_items += child.subtree_items;
+        }
+    }
+    OCCLUDE_VALIDATE(check_structure(result));
+    for (size_t id = all.size(); id-- > 0;) {
+        all[id].subtree_triangles = triangle_sum(all[id], all, result.item_bounds_);
+        all[id].box = merged_box(all[id], all, result.item_bounds_);
+    }
+    return result;
+}
+
+void Hierarchy::set_virtual_leaves(uint32_t triangles)
+{
+    structure_version_ = next_structure_version();
+    std::vector<bool> below_leaf(nodes_.size(), false); // below a virtual leaf
+    for (size_t id = 0; id < nodes_.size(); ++id) {
+        Node& node = nodes_[id];
+        if (id > 0) {
+            const Node& parent = nodes_[node.parent.value];
+            below_leaf[id] = below_leaf[node.parent.value] || parent.leaf != 0;
+        }
+        bool leaf = node.child_count == 0;
+        if (!leaf && triangles > 0 && !below_leaf[id]) {
+            leaf = node.subtree_triangles <= triangles && node.box.is_bounded();
+            for (uint32_t c = 0; c < node.child_count; ++c) {
+                leaf = leaf && !nodes_[node.first_child.value + c].box.is_empty();
+            }
+        }
+        node.leaf = leaf ? 1 : 0;
+    }
+}
+
+void Hierarchy::refit_boxes()
+{
+    for (size_t id = nodes_.size(); id-- > 0;) {
+        nodes_[id].box = merged_box(nodes_[id], nodes_, item_bounds_);
+    }
+}
+
+void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
+{
+    for (size_t i = 0; i < items_.size(); ++i) {
+        const bool known = items_[i].value < bounds_by_item.size();
+        OCCLUDE_ASSERT(known, "refit() needs the bounds of every item in the hierarchy");
+        item_bounds_[i].box =
+            known ? sanitized(bounds_by_item[items_[i].value].box) : Aabb::everything();
+    }
+    refit_boxes();
+    OCCLUDE_VALIDATE(validate(*this));
+}
+
+std::string validate(const Hierarchy& hierarchy)
+{
+    std::string problem = check_structure(hierarchy);
+    return problem.empty() ? check_derived(hierarchy) : problem;
+}
+
+// In double: the areas of float boxes can overflow float.
+static double area(const Aabb& box)
+{
+    if (!box.is_bounded()) {
+        return 0.0;
+    }
+    const double x = double{box.max.x} - box.min.x;
+    const double y = double{box.max.y} - box.min.y;
+    const double z = double{box.max.z} - box.min.z;
+    return 2.0 * (x * y + y * z + z * x);
+}
+
+double sah_cost(const Hierarchy& hierarchy)
+{
+    Aabb scene;
+    for (const ItemBounds& item : hierarchy.item_bounds()) {
+        if (item.box.is_bounded()) {
+            scene = merge(scene, item.box);
+        }
+    }
+    const double scene_area = area(scene);
+    double cost = 0.0;
+    for (const Node& node : hierarchy.nodes()) {
+        if (!node.box.is_bounded()) {
+            continue;
+        }
+        const double hit = scene_area > 0.0 ? area(node.box) / scene_area : 1.0;
+        cost += hit * ((node.child_count > 0 ? 1.0 : 0.0) + node.own_items);
+    }
+    return cost;
+}
+
+} // namespace occlude

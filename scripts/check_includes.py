@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""The dependency law of the library, as docs/architecture.md states it.
+
+    core <- hierarchy <- scene
+            hierarchy <- cull
+    core <- device, backends/*          (backends and devices never see a tree or an algorithm)
+
+usage: check_includes.py [ROOT]      ROOT is the repository; by default the one this script is in.
+
+Prints one line per violation, as file:line: sentence. Exit status 0 if there is none, 1 otherwise.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+# Which rooms a room may include, itself always among them.
+ALLOWED = {
+    "core": {"core"},
+    "hierarchy": {"core", "hierarchy"},
+    "scene": {"core", "hierarchy", "scene"},
+    "cull": {"core", "hierarchy", "cull"},
+    "device": {"core", "device"},
+    "backends/gl": {"core", "backends/gl"},
+    "backends/cpu": {"core", "backends/cpu"},
+}
+
+# Third-party includes that the sources and the detail/ headers of a room may use beside GLM.
+THIRD_PARTY = {
+    "hierarchy": ("tbb/", "oneapi/tbb/"),
+    "scene": ("tbb/", "oneapi/tbb/"),
+    "backends/gl": ("epoxy/", "EGL/", "KHR/"),
+    "backends/cpu": ("tbb/", "oneapi/tbb/", "hwy/"),
+}
+
+# What cull/ must not even name: files, threads, clocks, and randomness other than core/rng.h.
+IMPURE_HEADERS = {
+    "atomic", "barrier", "chrono", "condition_variable", "cstdio", "ctime", "execution",
+    "filesystem", "fstream", "future", "iostream", "latch", "mutex", "random", "semaphore",
+    "shared_mutex", "stdio.h", "stop_token", "thread", "time.h",
+}  # fmt: skip
+GRAPHICS_API = re.compile(
+    r"\b(gl[A-Z]\w+|GL_[A-Z]\w+|GL(?:u?int|enum|sync|sizei)|egl[A-Z]\w+|EGL\w+"
+    r"|vk[A-Z]\w+|Vk[A-Z]\w+|VK_\w+|ID3D\w+|OpenGL)\b"
+)
+MUTABLE_GLOBAL = re.compile(
+    r"^\s*(?:inline\s+static|static|inline|thread_local|extern)\b"
+    r"(?!.*\b(?:const|constexpr|consteval|constinit\s+const)\b)[^(]*(?:;|=|\{)\s*"
+)
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?P<open>[<"])(?P<path>[^>"]+)[>"]')
+STANDARD = re.compile(r"^[a-z0-9_]+(\.h)?$")
+
+
+def room_of(path):
+    """The room of a path below occlude/, such as "cull" or "backends/gl"; None for the top."""
+    parts = Path(path).parts
+    if len(parts) < 2:
+        return None
+    return "/".join(parts[:2]) if parts[0] == "backends" else parts[0]
+
+
+def code_lines(text):
+    """The lines of a source file without comments and string contents; numbering is kept."""
+
+    def blank(match):
+        token = match.group(0)
+        if token.startswith("/"):
+            return re.sub(r"[^\n]", " ", token)
+        return token[0] + token[-1]
+
+    token = r'//[^\n]*|/\*.*?\*/|(?<!include )(?<!include)"(?:\\.|[^"\\\n])*"'
+    return re.sub(token, blank, text, flags=re.DOTALL).splitlines()
+
+
+def check_include(root, name, room, match):
+    """What is wrong with one include of the file `name`, or None."""
+    path = match["path"]
+    if match["open"] == '"':
+        return f'"{path}": write it as <occlude/...>, so that it means the same everywhere'
+    if path.startswith("occlude/"):
+        target = room_of(path.removeprefix("occlude/"))
+        if not (root / path).is_file():
+            return f"<{path}> does not exist"
+        if target not in ALLOWED[room]:
+            return f"{room} must not include {target} (<{path}>)"
+        return None
+    if path.startswith("glm/"):
+        return None
+    if STANDARD.match(path):
+        if room == "cull" and path in IMPURE_HEADERS:
+            return f"cull must not use files, threads or clocks (<{path}>)"
+        return None
+    if path.startswith(THIRD_PARTY.get(room, ())):
+        private = name.suffix == ".cpp" or "detail" in name.parts
+        return None if private else f"a public header must include GLM and std only (<{path}>)"
+    return f"{room} must not use <{path}>"
+
+
+def check_file(root, name):
+    """Sentences about one file, `name` being its path below `root`."""
+    room = room_of(name.relative_to("occlude"))
+    if room not in ALLOWED:
+        return [f"{name}:1: this folder is not a room of the library; see docs/architecture.md"]
+    problems = []
+    for number, line in enumerate(code_lines((root / name).read_text(encoding="utf-8")), 1):
+        include = INCLUDE.match(line)
+        sentence = None
+        if include:
+            sentence = check_include(root, name, room, include)
+        elif room == "cull" and (api := GRAPHICS_API.search(line)):
+            sentence = f"cull must not name a graphics API ({api[0]})"
+        elif room == "cull" and MUTABLE_GLOBAL.match(line):
+            sentence = "cull must not have variables that outlive a culler"
+        if sentence:
+            problems.append(f"{name}:{number}: {sentence}")
+    return problems
+
+
+def check_tree(root):
+    """All violations below root/occlude, in a fixed order, and the number of files read."""
+    files = sorted(
+        path.relative_to(root)
+        for path in (root / "occlude").rglob("*")
+        if path.suffix in (".h", ".cpp")
+    )
+    problems = [problem for name in files for problem in check_file(root, name)]
+    return problems, len(files)
+
+
+def main(arguments):
+    root = Path(arguments[0]) if arguments else Path(__file__).resolve().parent.parent
+    problems, file_count = check_tree(root)
+    if file_count == 0:
+        problems = [f"{root}: there is no source under occlude/"]
+    print("\n".join(problems) if problems else f"check_includes: {file_count} files obey the law")
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,36 @@
+// A made-up truth about which items are visible, as answers for a ScriptedDevice: consistent over
+// inner nodes, leaves and groups, whatever order they are asked in.
+#pragma once
+
+#include <occlude/core/rng.h>
+#include <occlude/device/scripted_device.h>
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <vector>
+
+namespace occlude::test {
+
+/// Item i is visible in frame f with probability `share`; it keeps its state for some ten frames.
+inline bool item_visible(uint64_t seed, uint64_t frame, ItemId item, float share)
+{
+    const uint64_t phase = hash64(seed, item.value) % 10;
+    return uniform01(hash64(seed, item.value, (frame + phase) / 10)) < share;
+}
+
+/// Answers as if exactly the items chosen by item_visible() were seen, 10 samples each; `frame` is read
+/// when a test is issued, so that the test may advance it.
+inline BoxScript consistent_visibility(const Hierarchy& hierarchy, uint64_t seed,
+                                       const uint64_t& frame, float share)
+{
+    return [&hierarchy, seed, &frame, share](std::span<const QueryBox> boxes) {
+        uint64_t samples = 0;
+        for (const QueryBox& box : boxes) {
+            for (const ItemId item : hierarchy.subtree_items(box.subject)) {
+                samples += item_visible(seed, frame, item, share) ? 10 : 0;
+            }
+        }
+        return samples;
+    };
+}
+
+} // namespace occlude::test
