@@ -50,7 +50,7 @@ struct RenderOptions {
     std::optional<size_t> frame;
     std::string frame_range; ///< "A:B", both included; empty: one frame
     std::string out;
-    std::string show = "visible";
+    std::string show; ///< empty: visible, or states for the overview camera
     std::string camera = "path";
 };
 

@@ -145,6 +145,20 @@ void verify_frame(const Stage& stage, const View& view, const Capture& reference
         judge_frame(stage, view, reference, culled, culler.drawn_items(), culler.decisions());
 }
 
+// Pixels of the culled frame that its own items, drawn without tests, do not explain.
+Mask unexplained(const Stage& stage, const View& view, const Capture& culled,
+                 std::span<const ItemId> drawn)
+{
+    Mask forward = difference(culled, draw_and_capture(stage, view, drawn));
+    if (count_set(forward) == 0) {
+        return forward;
+    }
+    // After a depth-only pass the last of equals is seen, not the first: as if drawn backwards.
+    const std::vector<ItemId> reversed{drawn.rbegin(), drawn.rend()};
+    Mask backward = difference(culled, draw_and_capture(stage, view, reversed));
+    return count_set(backward) == 0 ? backward : forward;
+}
+
 } // namespace
 
 Verdict judge_frame(const Stage& stage, const View& view, const Capture& reference,
@@ -157,7 +171,7 @@ Verdict judge_frame(const Stage& stage, const View& view, const Capture& referen
     }
     std::vector<ItemId> ascending{drawn.begin(), drawn.end()};
     std::sort(ascending.begin(), ascending.end());
-    Mask differing = difference(culled, draw_and_capture(stage, view, drawn));
+    Mask differing = unexplained(stage, view, culled, drawn);
     const Mask incomplete = difference(reference, draw_and_capture(stage, view, ascending));
     for (size_t i = 0; i < std::min(differing.size(), incomplete.size()); ++i) {
         differing[i] |= incomplete[i];
