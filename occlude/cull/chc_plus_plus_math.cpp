@@ -1,6 +1,7 @@
 #include <occlude/cull/chc_plus_plus_math.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace occlude {
@@ -38,9 +39,19 @@ size_t best_multiquery_size(std::span<const double> keep)
     return count;
 }
 
+uint32_t KeepTable::bin_of(uint32_t frames_hidden)
+{
+    if (frames_hidden < 8) {
+        return frames_hidden;
+    }
+    const auto octave = static_cast<uint32_t>(std::bit_width(frames_hidden)) - 1; // 3 and up
+    const uint32_t quarter = (frames_hidden >> (octave - 2)) & 3u;
+    return 8 + 4 * (octave - 3) + quarter;
+}
+
 void KeepTable::record(uint32_t frames_hidden, bool kept)
 {
-    Bin& bin = bins_[std::min<size_t>(frames_hidden, kBins - 1)];
+    Bin& bin = bins_[bin_of(frames_hidden)];
     ++bin.all;
     bin.kept += kept ? 1 : 0;
     if (bin.all >= kMostTests) {
@@ -51,14 +62,19 @@ void KeepTable::record(uint32_t frames_hidden, bool kept)
 
 double KeepTable::keep_probability(uint32_t frames_hidden) const
 {
-    for (size_t i = std::min<size_t>(frames_hidden, kBins - 1) + 1; i-- > 0;) {
+    const uint32_t last = bin_of(frames_hidden);
+    double keep = analytic_keep_probability(frames_hidden);
+    bool measured = false;
+    for (uint32_t i = 0; i <= last; ++i) {
         const Bin& bin = bins_[i];
-        if (bin.all >= kEnoughTests) {
-            // Half a failure is always assumed: no history makes a node certain.
-            return static_cast<double>(bin.kept) / (static_cast<double>(bin.all) + 0.5);
+        if (bin.all == 0) {
+            continue;
         }
+        const double prior = measured ? keep : analytic_keep_probability(i);
+        keep = (bin.kept + kPriorTests * prior) / (bin.all + kPriorTests);
+        measured = true;
     }
-    return analytic_keep_probability(frames_hidden);
+    return std::min(keep, kMostCertain);
 }
 
 } // namespace occlude

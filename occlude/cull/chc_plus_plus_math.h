@@ -32,16 +32,23 @@ public:
     /// Counts one test of a node that had been hidden for `frames_hidden` frames.
     void record(uint32_t frames_hidden, bool kept);
 
-    /// The measured probability. Persistences without enough tests take the nearest lower measured
-    /// one (the paper's piecewise constant propagation), and the analytic fit where there is none.
+    /// The measured probability. Values that were measured little lean on the next lower one (the
+    /// paper's piecewise constant propagation to higher i); without any measurement it is the analytic
+    /// fit. Never above kMostCertain: no history makes a node certain. O(log frames_hidden).
     double keep_probability(uint32_t frames_hidden) const;
 
     void clear() { *this = KeepTable{}; }
 
+    static constexpr double kMostCertain = 0.9999; ///< groups of at most 101 nodes
+
 private:
-    static constexpr size_t kBins = 256; ///< longer persistences share the last bin
-    static constexpr uint32_t kEnoughTests = 32;
-    static constexpr uint32_t kMostTests = 1u << 16; ///< then both counts are halved: old news fade
+    // Persistences share bins: one each below 8, then four to the octave. All hidden nodes of a quiet
+    // view grow old together; a bin for each age would never have been measured when it is needed.
+    static constexpr uint32_t kBins = 8 + 4 * 29;
+    static uint32_t bin_of(uint32_t frames_hidden);
+
+    static constexpr double kPriorTests = 16.0;   ///< what the next lower value weighs, in tests
+    static constexpr uint32_t kMostTests = 4096; ///< then both counts are halved: old news fade
 
     struct Bin {
         uint32_t all = 0;

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <occlude/core/query_device.h>
+#include <occlude/device/device_verb.h>
 #include <occlude/device/ticket_table.h>
 
 #include <functional>
@@ -52,17 +53,7 @@ struct DeviceScript {
 
 class ScriptedDevice final : public QueryDevice {
 public:
-    enum class Verb : uint8_t {
-        begin_frame,
-        draw,
-        query,
-        draw_and_query,
-        flush,
-        poll,
-        wait,
-        read_depth,
-        end_frame,
-    };
+    using Verb = DeviceVerb;
 
     /// One call. Only the fields that the verb has are filled.
     struct Event {

@@ -1,0 +1,335 @@
+#include <occlude/backends/cpu/cpu_device.h>
+
+#include <occlude/core/assert.h>
+
+#include <algorithm>
+#include <array>
+
+namespace occlude {
+
+namespace {
+
+constexpr float kClearDepth = 1.0f;
+
+glm::dvec4 clip_position(const glm::dmat4& clip_from_local, const glm::vec3& local)
+{
+    return clip_from_local * glm::dvec4{glm::dvec3{local}, 1.0};
+}
+
+// Corner i has the box's maximum on axis a where bit a of i is set.
+std::array<glm::dvec4, 8> clip_corners(const glm::dmat4& clip_from_local, const Aabb& box)
+{
+    std::array<glm::dvec4, 8> corners;
+    for (size_t i = 0; i < corners.size(); ++i) {
+        const glm::vec3 local{(i & 1) != 0 ? box.max.x : box.min.x,
+                              (i & 2) != 0 ? box.max.y : box.min.y,
+                              (i & 4) != 0 ? box.max.z : box.min.z};
+        corners[i] = clip_position(clip_from_local, local);
+    }
+    return corners;
+}
+
+// The six faces as quads, corners in order around each.
+constexpr std::array<std::array<size_t, 4>, 6> kBoxFaces{{
+    {0, 2, 6, 4},
+    {1, 3, 7, 5},
+    {0, 1, 5, 4},
+    {2, 3, 7, 6},
+    {0, 1, 3, 2},
+    {4, 5, 7, 6},
+}};
+
+// The next value of a stamp; when all values were used, every mark is taken back first.
+void advance_stamp(uint32_t& current, std::vector<uint32_t>& marks)
+{
+    if (++current == 0) {
+        std::fill(marks.begin(), marks.end(), 0u);
+        current = 1;
+    }
+}
+
+} // namespace
+
+CpuDevice::CpuDevice(const CpuScene& scene, const CpuDeviceOptions& options)
+    : scene_(scene)
+{
+    caps_.name = "cpu";
+    caps_.draw_and_query = true;
+    caps_.read_depth = true;
+    caps_.max_outstanding = options.max_outstanding;
+    caps_.methods = {{.method = TestMethod::queries,
+                      .us_per_batch = 0.1f,
+                      .us_per_test = 0.1f,
+                      .us_per_box = 20.0f}};
+    caps_.us_per_triangle = 0.1f;
+}
+
+void CpuDevice::begin_frame(const View& view)
+{
+    OCCLUDE_ASSERT(!in_frame_, "begin_frame before the last frame ended (C1)");
+    in_frame_ = true;
+    ++frame_count_;
+    view_ = view;
+    transform_ = cpu::ScreenTransform(view);
+    const glm::ivec2 size = transform_.usable() ? view.size_px() : glm::ivec2{0};
+    if (size != size_px_) {
+        size_px_ = size;
+        const size_t pixels = static_cast<size_t>(size.x) * static_cast<size_t>(size.y);
+        items_.assign(pixels, 0);
+        triangles_.assign(pixels, 0);
+        stamps_.assign(pixels, 0);
+        depth_.resize(pixels);
+        current_stamp_ = 0;
+    }
+    std::fill(depth_.begin(), depth_.end(), kClearDepth);
+}
+
+const cpu::Vertex* CpuDevice::transformed_vertex(const CpuItem& item,
+                                                 const glm::dmat4& clip_from_mesh, uint32_t index)
+{
+    if (index >= item.positions.size()) {
+        return nullptr;
+    }
+    if (vertex_stamps_[index] != current_vertex_stamp_) {
+        vertex_stamps_[index] = current_vertex_stamp_;
+        vertices_[index] = transform_.process(clip_position(clip_from_mesh, item.positions[index]));
+    }
+    return &vertices_[index];
+}
+
+bool CpuDevice::outside_of_view(const Aabb& box, const glm::dmat4& clip_from_mesh) const
+{
+    if (!box.is_bounded()) {
+        return false;
+    }
+    unsigned shared = 0xff & ~unsigned{cpu::beyond_guard | cpu::not_finite};
+    for (const glm::dvec4& corner : clip_corners(clip_from_mesh, box)) {
+        shared &= transform_.code(corner);
+    }
+    return shared != 0;
+}
+
+// Calls fragment(triangle, pixel, depth) for every sample that the item covers.
+template <class Fragment>
+void CpuDevice::rasterize_item(const CpuItem& item, Fragment&& fragment)
+{
+    const glm::dmat4 clip_from_mesh = transform_.clip_from_local(item.world_from_mesh);
+    if (!transform_.usable() || outside_of_view(item.box, clip_from_mesh)) {
+        return;
+    }
+    if (vertices_.size() < item.positions.size()) {
+        vertices_.resize(item.positions.size());
+        vertex_stamps_.resize(item.positions.size(), 0);
+    }
+    advance_stamp(current_vertex_stamp_, vertex_stamps_);
+    for (size_t i = 0; i + 2 < item.indices.size(); i += 3) {
+        const cpu::Vertex* a = transformed_vertex(item, clip_from_mesh, item.indices[i]);
+        const cpu::Vertex* b = transformed_vertex(item, clip_from_mesh, item.indices[i + 1]);
+        const cpu::Vertex* c = transformed_vertex(item, clip_from_mesh, item.indices[i + 2]);
+        if (a == nullptr || b == nullptr || c == nullptr) {
+            continue;
+        }
+        const auto triangle = static_cast<uint32_t>(i / 3);
+        cpu::draw_triangle(transform_, *a, *b, *c,
+                           [&](size_t pixel, double depth) { fragment(triangle, pixel, depth); });
+    }
+}
+
+// Draws one fragment; true if the pixel now shows it.
+bool CpuDevice::write(size_t pixel, double depth, ItemId item, uint32_t triangle)
+{
+    const auto depth01 = static_cast<float>(depth);
+    float& stored = depth_[pixel];
+    if (depth01 >= stored) {
+        // Nothing equals the cleared depth: LESS against 1 fails there.
+        const bool wins_tie = depth01 == stored && stored != kClearDepth &&
+                              (item.value < items_[pixel] ||
+                               (item.value == items_[pixel] && triangle <= triangles_[pixel]));
+        if (!wins_tie) {
+            return false;
+        }
+    }
+    stored = depth01;
+    items_[pixel] = item.value;
+    triangles_[pixel] = triangle;
+    return true;
+}
+
+// True if a fragment of an item is what the pixel shows.
+bool CpuDevice::owns(size_t pixel, double depth, ItemId item) const
+{
+    return depth_[pixel] != kClearDepth && static_cast<float>(depth) == depth_[pixel] &&
+           items_[pixel] == item.value;
+}
+
+void CpuDevice::draw(std::span<const ItemId> items, DrawPass pass)
+{
+    OCCLUDE_ASSERT(in_frame_, "draw outside of a frame (C1)");
+    if (!in_frame_ || pass == DrawPass::shade_equal) {
+        return;
+    }
+    for (const ItemId item : items) {
+        rasterize_item(scene_.item(item), [&](uint32_t triangle, size_t pixel, double depth) {
+            write(pixel, depth, item, triangle);
+        });
+    }
+}
+
+Ticket CpuDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
+{
+    OCCLUDE_ASSERT(in_frame_, "draw_and_query outside of a frame (C1)");
+    if (!in_frame_ || !transform_.usable()) {
+        return {};
+    }
+    next_stamp();
+    uint64_t samples = 0;
+    for (const ItemId item : items) {
+        rasterize_item(scene_.item(item), [&](uint32_t triangle, size_t pixel, double depth) {
+            const bool passed = pass == DrawPass::shade_equal ? owns(pixel, depth, item)
+                                                              : write(pixel, depth, item, triangle);
+            if (passed && stamp(pixel)) {
+                ++samples;
+            }
+        });
+    }
+    return issue(Answer::ready(samples));
+}
+
+void CpuDevice::next_stamp()
+{
+    advance_stamp(current_stamp_, stamps_);
+}
+
+// True the first time that the current test counts the pixel.
+bool CpuDevice::stamp(size_t pixel)
+{
+    const bool first = stamps_[pixel] != current_stamp_;
+    stamps_[pixel] = current_stamp_;
+    return first;
+}
+
+bool CpuDevice::testable(const QueryBox& box) const
+{
+    const Aabb box_world =
+        box.world_from_box != nullptr ? transformed(*box.world_from_box, box.box) : box.box;
+    return box.box.is_bounded() && !view_.touches_near(box_world);
+}
+
+// Samples of the box that pass and were not counted by this test before.
+uint64_t CpuDevice::count_box(const QueryBox& box)
+{
+    const glm::dmat4 clip_from_box = box.world_from_box != nullptr
+                                         ? transform_.clip_from_local(*box.world_from_box)
+                                         : transform_.clip_from_world();
+    const std::array<glm::dvec4, 8> corners = clip_corners(clip_from_box, box.box);
+    std::array<cpu::Vertex, 8> vertices;
+    for (size_t i = 0; i < corners.size(); ++i) {
+        vertices[i] = transform_.process(corners[i]);
+    }
+    uint64_t samples = 0;
+    const auto fragment = [&](size_t pixel, double depth) {
+        if (static_cast<float>(depth - kBoxBias) <= depth_[pixel] && stamp(pixel)) {
+            ++samples;
+        }
+    };
+    for (const std::array<size_t, 4>& face : kBoxFaces) {
+        const cpu::Vertex& a = vertices[face[0]];
+        const cpu::Vertex& c = vertices[face[2]];
+        cpu::draw_triangle(transform_, a, vertices[face[1]], c, fragment);
+        cpu::draw_triangle(transform_, a, c, vertices[face[3]], fragment);
+    }
+    return samples;
+}
+
+Answer CpuDevice::test(std::span<const QueryBox> boxes)
+{
+    const bool answerable =
+        in_frame_ && transform_.usable() && !boxes.empty() &&
+        std::all_of(boxes.begin(), boxes.end(), [&](const QueryBox& box) { return testable(box); });
+    if (!answerable) {
+        return Answer::lost();
+    }
+    next_stamp();
+    uint64_t samples = 0;
+    for (const QueryBox& box : boxes) {
+        samples += count_box(box);
+    }
+    return Answer::ready(samples);
+}
+
+void CpuDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
+{
+    OCCLUDE_ASSERT(in_frame_, "query outside of a frame (C1)");
+    OCCLUDE_ASSERT(tickets.size() == batch.test_ends.size(), "one ticket per test");
+    std::fill(tickets.begin(), tickets.end(), Ticket{});
+    size_t begin = 0;
+    for (size_t i = 0; i < std::min(tickets.size(), batch.test_ends.size()); ++i) {
+        const size_t end = batch.test_ends[i];
+        OCCLUDE_ASSERT(begin < end && end <= batch.boxes.size(), "a test without boxes (C6)");
+        if (begin < end && end <= batch.boxes.size()) {
+            tickets[i] = issue(test(batch.boxes.subspan(begin, end - begin)));
+        }
+        begin = std::max(begin, end);
+    }
+}
+
+Ticket CpuDevice::issue(const Answer& answer)
+{
+    uint32_t index = 0;
+    if (!free_slots_.empty()) {
+        index = free_slots_.back();
+        free_slots_.pop_back();
+    } else if (slots_.size() < caps_.max_outstanding) {
+        index = static_cast<uint32_t>(slots_.size());
+        slots_.emplace_back();
+    } else {
+        return {};
+    }
+    Slot& slot = slots_[index];
+    slot.unspent = true;
+    slot.answer = answer;
+    return {index, slot.generation};
+}
+
+Answer CpuDevice::wait(Ticket ticket)
+{
+    if (!ticket.valid() || ticket.index >= slots_.size()) {
+        return Answer::lost();
+    }
+    Slot& slot = slots_[ticket.index];
+    if (!slot.unspent || slot.generation != ticket.generation) {
+        return Answer::lost();
+    }
+    slot.unspent = false;
+    if (++slot.generation == 0) {
+        slot.generation = 1; // 0 is never given out
+    }
+    free_slots_.push_back(ticket.index);
+    return slot.answer;
+}
+
+bool CpuDevice::read_depth(const PixelRect& rect, std::span<float> out)
+{
+    const bool fits = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
+                      rect.width <= size_px_.x - rect.x && rect.height <= size_px_.y - rect.y;
+    OCCLUDE_ASSERT(fits, "read_depth outside of the target");
+    if (!fits || out.size() != static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height)) {
+        return false;
+    }
+    for (int row = 0; row < rect.height; ++row) {
+        const auto from =
+            depth_.begin() + (rect.y + row) * static_cast<ptrdiff_t>(size_px_.x) + rect.x;
+        std::copy(from, from + rect.width, out.begin() + row * static_cast<ptrdiff_t>(rect.width));
+    }
+    return true;
+}
+
+CpuDevice::Owner CpuDevice::owner(size_t pixel) const
+{
+    if (depth_[pixel] == kClearDepth) {
+        return {};
+    }
+    return {ItemId{items_[pixel]}, triangles_[pixel]};
+}
+
+} // namespace occlude

@@ -1,0 +1,72 @@
+// Counts from the outside what an algorithm makes a device do, to check the algorithm's own report.
+//
+// What the counters mean here:
+//   state_changes  A frame starts in the drawing state. query() while drawing is one change, draw()
+//                  or draw_and_query() while querying is one. Nothing else changes the state, and
+//                  the end of a frame does not count.
+//   queries        tests in query(), and one for each draw_and_query()
+//   multiqueries   tests whose boxes have more than one subject; failed: answered as visible
+//   items_drawn,   draws of the shade and depth_only passes; shade_equal repeats items that are
+//   triangles_drawn   counted already. draw_calls counts all passes.
+//   lost_answers   polls and waits that answered lost
+//   depth_reads    calls of read_depth() that could read
+//   nodes_visited  stays 0: a device does not see nodes
+#pragma once
+
+#include <occlude/core/frame_report.h>
+#include <occlude/core/query_device.h>
+
+#include <set>
+
+namespace occlude {
+
+class CountingDevice final : public QueryDevice {
+public:
+    struct Options {
+        std::span<const uint32_t> triangles_by_item = {}; ///< empty: triangles are not counted
+        uint64_t visible_above = 0; ///< samples; tells which multiqueries failed
+    };
+
+    /// Keeps references: `inner` and the triangle counts outlive this device.
+    explicit CountingDevice(QueryDevice& inner)
+        : CountingDevice(inner, Options{})
+    {
+    }
+    CountingDevice(QueryDevice& inner, Options options)
+        : inner_(inner)
+        , options_(options)
+    {
+    }
+
+    /// Since the last begin_frame(); what is asked between two frames counts for the first of them.
+    const FrameCounters& frame() const { return frame_; }
+    /// All frames so far.
+    FrameCounters total() const;
+
+    const DeviceCaps& caps() const override { return inner_.caps(); }
+    void begin_frame(const View& view) override;
+    void draw(std::span<const ItemId> items, DrawPass pass) override;
+    void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
+    Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override;
+    void flush() override { inner_.flush(); }
+    Answer poll(Ticket ticket) override;
+    Answer wait(Ticket ticket) override;
+    bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    void end_frame() override { inner_.end_frame(); }
+
+private:
+    enum class State : uint8_t { drawing, querying };
+
+    void enter(State state);
+    void count_draw(std::span<const ItemId> items, DrawPass pass);
+    Answer count_answer(Ticket ticket, Answer answer);
+
+    QueryDevice& inner_;
+    Options options_;
+    FrameCounters frame_;
+    FrameCounters earlier_; ///< the frames before this one
+    State state_ = State::drawing;
+    std::set<Ticket> multiqueries_; ///< unspent
+};
+
+} // namespace occlude

@@ -1,0 +1,66 @@
+// Holds a real device's answers back, and loses some: late and lost answers on demand, the same
+// ones in every run.
+#pragma once
+
+#include <occlude/core/query_device.h>
+#include <occlude/device/ticket_table.h>
+
+namespace occlude {
+
+/// How late answers are. Each test's delay is drawn from the ranges, both ends included.
+struct DelayOptions {
+    uint64_t seed = 1;
+    uint32_t min_polls = 0; ///< polls of any ticket, since the test was issued, that come too early
+    uint32_t max_polls = 0;
+    uint32_t min_frames = 0; ///< calls of end_frame() since the test was issued
+    uint32_t max_frames = 0;
+    uint32_t lose_every = 0; ///< the n-th, 2n-th, ... test is lost; 0: none
+};
+
+/// poll() answers pending until the delay is over, without asking the device; wait() gets the
+/// answer at once, as always. A lost test answers lost when it would have been answered.
+class DelayingDevice final : public QueryDevice {
+public:
+    /// Keeps a reference: `inner` outlives this device.
+    DelayingDevice(QueryDevice& inner, DelayOptions options)
+        : inner_(inner)
+        , options_(options)
+    {
+    }
+
+    const DeviceCaps& caps() const override { return inner_.caps(); }
+    void begin_frame(const View& view) override { inner_.begin_frame(view); }
+    void draw(std::span<const ItemId> items, DrawPass pass) override { inner_.draw(items, pass); }
+    void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
+    Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override;
+    void flush() override { inner_.flush(); }
+    Answer poll(Ticket ticket) override;
+    Answer wait(Ticket ticket) override;
+    bool read_depth(const PixelRect& rect, std::span<float> out) override
+    {
+        return inner_.read_depth(rect, out);
+    }
+    void end_frame() override;
+
+private:
+    enum class Fate : uint8_t { answered, lost };
+
+    struct Test {
+        Ticket inner;
+        uint64_t ready_at_poll = 0;
+        uint64_t ready_at_frame = 0; ///< in frames ended
+        Fate fate = Fate::answered;
+    };
+
+    Ticket hold(Ticket inner);
+    Answer pass_on(Ticket ticket, const Test& test, Answer answer);
+
+    QueryDevice& inner_;
+    DelayOptions options_;
+    TicketTable<Test> tests_;
+    uint64_t tests_issued_ = 0;
+    uint64_t polls_ = 0;
+    uint64_t frames_ended_ = 0;
+};
+
+} // namespace occlude

@@ -1,0 +1,466 @@
+#include <occlude/device/validating_device.h>
+
+#include <occlude/core/assert.h>
+
+#include <glm/common.hpp>
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace occlude {
+
+namespace {
+
+// A pixel counts as shown only if its depth is farther than the box by this much of the depth
+// range: the box's depth is computed here in another order than on the device.
+constexpr float kDepthSlop = 1e-4f;
+// ... and only if it lies inside the box's outline by this many pixels.
+constexpr float kOutlineSlopPx = 0.125f;
+
+uint8_t bit(DrawPass pass)
+{
+    return static_cast<uint8_t>(1u << static_cast<unsigned>(pass));
+}
+
+const char* name(DrawPass pass)
+{
+    switch (pass) {
+    case DrawPass::depth_only:
+        return "depth_only";
+    case DrawPass::shade_equal:
+        return "shade_equal";
+    case DrawPass::shade:
+        break;
+    }
+    return "shade";
+}
+
+std::string text(Ticket ticket)
+{
+    return "ticket " + std::to_string(ticket.index) + "/" + std::to_string(ticket.generation);
+}
+
+std::string text(ItemId item)
+{
+    return item.valid() ? "item " + std::to_string(item.value) : std::string("an invalid item");
+}
+
+std::string text(const QueryBox& box, size_t index)
+{
+    std::string words = "box " + std::to_string(index) + " of the batch";
+    if (box.subject.valid()) {
+        words += ", of node " + std::to_string(box.subject.value) + ",";
+    }
+    return words;
+}
+
+/// The convex outline of a box on the target, in pixels, and its farthest window depth.
+struct Outline {
+    std::vector<glm::vec2>
+        corners_px; ///< counter-clockwise; empty if the box reaches behind the eye
+    float farthest01 = 1.0f;
+};
+
+float cross(const glm::vec2& a, const glm::vec2& b, const glm::vec2& c)
+{
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+std::vector<glm::vec2> convex_hull(std::array<glm::vec2, 8> points)
+{
+    std::sort(points.begin(), points.end(), [](const glm::vec2& a, const glm::vec2& b) {
+        return a.x != b.x ? a.x < b.x : a.y < b.y;
+    });
+    std::vector<glm::vec2> hull;
+    const auto add_chain = [&](auto first, auto last) {
+        const size_t base = hull.size();
+        for (auto point = first; point != last; ++point) {
+            while (hull.size() >= base + 2 &&
+                   cross(hull[hull.size() - 2], hull.back(), *point) <= 0.0f) {
+                hull.pop_back();
+            }
+            hull.push_back(*point);
+        }
+        hull.pop_back(); // it starts the next chain
+    };
+    add_chain(points.begin(), points.end());
+    add_chain(points.rbegin(), points.rend());
+    return hull;
+}
+
+Outline outline_of(const QueryBox& box, const View& view)
+{
+    const glm::mat4 clip_from_box =
+        box.world_from_box ? view.clip_from_world() * *box.world_from_box : view.clip_from_world();
+    const bool reversed = view.convention().order == DepthOrder::near_is_large;
+    std::array<glm::vec2, 8> points;
+    Outline outline{{}, 0.0f};
+    for (unsigned i = 0; i < 8; ++i) {
+        const glm::vec3 corner{i & 1 ? box.box.max.x : box.box.min.x,
+                               i & 2 ? box.box.max.y : box.box.min.y,
+                               i & 4 ? box.box.max.z : box.box.min.z};
+        const glm::vec4 clip = clip_from_box * glm::vec4{corner, 1.0f};
+        if (!(clip.w > 0.0f)) {
+            return {};
+        }
+        const glm::vec3 ndc = glm::vec3{clip} / clip.w;
+        points[i] = (glm::vec2{ndc} * 0.5f + 0.5f) * glm::vec2{view.size_px()};
+        const bool zero_to_one = view.convention().range == DepthRange::zero_to_one;
+        const float stored = zero_to_one ? ndc.z : ndc.z * 0.5f + 0.5f;
+        outline.farthest01 = std::max(outline.farthest01, reversed ? 1.0f - stored : stored);
+    }
+    outline.corners_px = convex_hull(points);
+    return outline;
+}
+
+bool contains_pixel(const Outline& outline, int x, int y)
+{
+    const float low = -kOutlineSlopPx;
+    const float high = 1.0f + kOutlineSlopPx;
+    const glm::vec2 origin{static_cast<float>(x), static_cast<float>(y)};
+    for (size_t i = 0; i < outline.corners_px.size(); ++i) {
+        const glm::vec2& a = outline.corners_px[i];
+        const glm::vec2& b = outline.corners_px[(i + 1) % outline.corners_px.size()];
+        for (const glm::vec2& offset : {glm::vec2{low, low}, glm::vec2{high, low},
+                                        glm::vec2{low, high}, glm::vec2{high, high}}) {
+            if (cross(a, b, origin + offset) <= 0.0f) {
+                return false;
+            }
+        }
+    }
+    return outline.corners_px.size() >= 3;
+}
+
+/// How many pixels must pass a test of this box: those wholly inside its outline whose depth is
+/// farther than all of the box. Errs toward fewer.
+int sure_pixels(const QueryBox& box, const View& view, std::span<const float> depth)
+{
+    const Outline outline = outline_of(box, view);
+    if (depth.empty() || outline.corners_px.empty()) {
+        return 0;
+    }
+    glm::vec2 low = outline.corners_px.front();
+    glm::vec2 high = low;
+    for (const glm::vec2& corner : outline.corners_px) {
+        low = glm::min(low, corner);
+        high = glm::max(high, corner);
+    }
+    const glm::vec2 size{view.size_px()};
+    const glm::ivec2 begin{glm::clamp(glm::floor(low), glm::vec2{0.0f}, size)};
+    const glm::ivec2 end{glm::clamp(glm::ceil(high), glm::vec2{0.0f}, size)};
+    int count = 0;
+    for (int y = begin.y; y < end.y; ++y) {
+        for (int x = begin.x; x < end.x; ++x) {
+            const float there = depth[static_cast<size_t>(y * view.size_px().x + x)];
+            if (there > outline.farthest01 + kDepthSlop && contains_pixel(outline, x, y)) {
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+bool touches_near(const QueryBox& box, const View& view)
+{
+    if (!box.world_from_box) {
+        return view.touches_near(box.box);
+    }
+    const glm::mat4& world_from_box = *box.world_from_box;
+    const View box_view =
+        View::from_clip(view.clip_from_world() * world_from_box, view.size_px(), view.convention());
+    return view.touches_near(transformed(world_from_box, box.box)) &&
+           box_view.touches_near(box.box);
+}
+
+} // namespace
+
+ValidatingDevice::ValidatingDevice(QueryDevice& inner, Options options)
+    : inner_(inner)
+    , options_(std::move(options))
+{
+}
+
+void ValidatingDevice::report(std::string_view rule, const std::string& message) const
+{
+    if (options_.on_violation) {
+        options_.on_violation(rule, message);
+    } else {
+        detail::assert_failed(rule, message, __FILE__, __LINE__);
+    }
+}
+
+void ValidatingDevice::require_frame(const char* verb) const
+{
+    if (!in_frame_) {
+        report("C1", std::string(verb) + " outside of a frame: call begin_frame first");
+    }
+}
+
+void ValidatingDevice::begin_frame(const View& view)
+{
+    if (in_frame_) {
+        report("C1", "begin_frame inside a frame: call end_frame first");
+    }
+    in_frame_ = true;
+    ++frame_;
+    view_ = view;
+    passes_.clear();
+    inner_.begin_frame(view);
+}
+
+void ValidatingDevice::end_frame()
+{
+    require_frame("end_frame");
+    // Sorted, so that the reports come in the same order everywhere.
+    std::vector<ItemId> unshaded;
+    for (const auto& [item, passes] : passes_) {
+        if ((passes & bit(DrawPass::depth_only)) && !(passes & bit(DrawPass::shade_equal))) {
+            unshaded.push_back(item);
+        }
+    }
+    std::sort(unshaded.begin(), unshaded.end());
+    for (const ItemId item : unshaded) {
+        report("passes", text(item) + " was drawn depth_only and never shaded with shade_equal");
+    }
+    in_frame_ = false;
+    inner_.end_frame();
+}
+
+void ValidatingDevice::check_items(std::span<const ItemId> items, DrawPass pass)
+{
+    for (const ItemId item : items) {
+        if (!item.valid()) {
+            report("precondition", "an invalid item was handed to a draw");
+            continue;
+        }
+        uint8_t& passes = passes_[item];
+        if (passes & bit(pass)) {
+            report("C10", text(item) + " is drawn twice in the " + name(pass) + " pass of a frame");
+        }
+        if (pass == DrawPass::shade_equal && !(passes & bit(DrawPass::depth_only))) {
+            report("passes", text(item) + " is shaded with shade_equal before its depth_only draw");
+        }
+        passes |= bit(pass);
+    }
+}
+
+void ValidatingDevice::draw(std::span<const ItemId> items, DrawPass pass)
+{
+    require_frame("draw");
+    check_items(items, pass);
+    ++draws_;
+    inner_.draw(items, pass);
+}
+
+bool ValidatingDevice::check_batch(const QueryBatch& batch, size_t ticket_count) const
+{
+    if (ticket_count != batch.test_ends.size()) {
+        report("precondition", "query of " + std::to_string(batch.test_ends.size()) +
+                                   " tests was given room for " + std::to_string(ticket_count) +
+                                   " tickets");
+        return false;
+    }
+    uint32_t begin = 0;
+    for (size_t i = 0; i < batch.test_ends.size(); ++i) {
+        const uint32_t end = batch.test_ends[i];
+        if (end == begin) {
+            report("C6", "test " + std::to_string(i) + " of the batch has no box");
+            return false;
+        }
+        if (end < begin || end > batch.boxes.size()) {
+            report("C6", "test " + std::to_string(i) + " of the batch ends at box " +
+                             std::to_string(end) + ": ends must ascend and stay within the " +
+                             std::to_string(batch.boxes.size()) + " boxes");
+            return false;
+        }
+        begin = end;
+    }
+    if (begin != batch.boxes.size()) {
+        report("C6", "the tests of the batch end at box " + std::to_string(begin) + " of " +
+                         std::to_string(batch.boxes.size()) + ": the rest belongs to no test");
+        return false;
+    }
+    return true;
+}
+
+void ValidatingDevice::check_box(const QueryBox& box, size_t index) const
+{
+    if (!box.box.is_bounded()) {
+        report("C5", text(box, index) + " is empty, unbounded or NaN: count it as visible instead");
+    } else if (touches_near(box, view_)) {
+        report("C5", text(box, index) + " touches the near plane: count it as visible instead");
+    }
+}
+
+void ValidatingDevice::check_outstanding(size_t new_tests) const
+{
+    const size_t unspent = unspent_.size() + new_tests;
+    if (unspent > inner_.caps().max_outstanding) {
+        report("C11", std::to_string(unspent) + " tests would be unspent, but the device keeps " +
+                          std::to_string(inner_.caps().max_outstanding));
+    }
+}
+
+void ValidatingDevice::adopt(Ticket ticket, int sure_pixels)
+{
+    if (!ticket.valid()) {
+        return; // lost from the start
+    }
+    const auto unspent = unspent_.find(ticket);
+    if (unspent != unspent_.end()) {
+        const bool earlier = unspent->second.frame != frame_;
+        report(earlier ? "C12" : "C7", "the device gave out " + text(ticket) +
+                                           (earlier ? " of an earlier frame" : "") +
+                                           " again while it is unspent");
+    } else if (last_generation_[ticket.index] == ticket.generation) {
+        report("C7", "the device gave out the spent " + text(ticket) +
+                         " again: its former owner could read another test's answer");
+    }
+    last_generation_[ticket.index] = ticket.generation;
+    unspent_[ticket] = {frame_, draws_, sure_pixels};
+}
+
+void ValidatingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
+{
+    require_frame("query");
+    std::fill(tickets.begin(), tickets.end(), Ticket{});
+    if (!check_batch(batch, tickets.size())) {
+        return;
+    }
+    for (size_t i = 0; i < batch.boxes.size(); ++i) {
+        check_box(batch.boxes[i], i);
+    }
+    check_outstanding(tickets.size());
+    const std::vector<float> before = depth();
+    inner_.query(batch, tickets);
+    const std::vector<float> after = depth();
+    if (before != after) {
+        report("C4", "a batch of tests changed the depth buffer");
+    }
+    uint32_t begin = 0;
+    for (size_t i = 0; i < tickets.size(); ++i) {
+        int pixels = 0;
+        for (; begin < batch.test_ends[i]; ++begin) {
+            const QueryBox& box = batch.boxes[begin];
+            const bool testable = box.box.is_bounded() && !touches_near(box, view_);
+            pixels += testable ? sure_pixels(box, view_, before) : 0;
+        }
+        adopt(tickets[i], pixels);
+    }
+}
+
+Ticket ValidatingDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
+{
+    require_frame("draw_and_query");
+    check_items(items, pass);
+    if (inner_.caps().draw_and_query) {
+        check_outstanding(1);
+    }
+    ++draws_;
+    const Ticket ticket = inner_.draw_and_query(items, pass);
+    adopt(ticket, 0);
+    return ticket;
+}
+
+void ValidatingDevice::flush()
+{
+    require_frame("flush");
+    inner_.flush();
+}
+
+void ValidatingDevice::check_count(const Test& test, const Answer& answer) const
+{
+    if (answer.state != AnswerState::ready || answer.samples > 0 || test.sure_pixels == 0) {
+        return;
+    }
+    const std::string seen = "a test counts no sample, but " + std::to_string(test.sure_pixels) +
+                             " pixels would have shown its boxes when it was issued";
+    if (draws_ != test.draws_before) {
+        report("C2", seen + "; it may have seen draws that came after it");
+    } else {
+        report("C3", seen);
+    }
+}
+
+Answer ValidatingDevice::check_answer(const char* verb, Ticket ticket, Answer answer)
+{
+    const std::string what = std::string(verb) + " of " + text(ticket);
+    const auto unspent = unspent_.find(ticket);
+    if (unspent == unspent_.end()) {
+        if (ticket.valid()) {
+            report("C7", what + ": it is spent or foreign; ask each ticket until it is answered");
+        }
+        if (answer.state != AnswerState::lost) {
+            report("C7", what + " was answered although it is spent, foreign or invalid");
+        }
+    }
+    if (answer.state == AnswerState::ready) {
+        if (answer.samples == Answer::kUnknownSamples) {
+            report("C8", what + " is ready with an unknown count: that is a lost test");
+        }
+    } else if (answer.samples != Answer::kUnknownSamples) {
+        report("C8", what + " is not ready but counts " + std::to_string(answer.samples) +
+                         " samples: it must read as visible");
+    }
+    if (unspent != unspent_.end() && answer.state != AnswerState::pending) {
+        check_count(unspent->second, answer);
+        unspent_.erase(unspent);
+    }
+    return answer;
+}
+
+Answer ValidatingDevice::poll(Ticket ticket)
+{
+    return check_answer("poll", ticket, inner_.poll(ticket));
+}
+
+Answer ValidatingDevice::wait(Ticket ticket)
+{
+    const Answer answer = inner_.wait(ticket);
+    if (answer.state == AnswerState::pending) {
+        report("C9", "wait of " + text(ticket) + " answered pending");
+    }
+    return check_answer("wait", ticket, answer);
+}
+
+bool ValidatingDevice::read_depth(const PixelRect& rect, std::span<float> out)
+{
+    require_frame("read_depth");
+    const glm::ivec2 size = view_.size_px();
+    const bool inside = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
+                        rect.width <= size.x - rect.x && rect.height <= size.y - rect.y;
+    if (!inside) {
+        report("precondition", "read_depth of a rectangle outside of the target");
+        return false;
+    }
+    if (out.size() != static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height)) {
+        report("precondition", "read_depth was given room for " + std::to_string(out.size()) +
+                                   " pixels, not for its rectangle");
+        return false;
+    }
+    if (!inner_.read_depth(rect, out)) {
+        return false;
+    }
+    const bool legal =
+        std::all_of(out.begin(), out.end(), [](float z) { return z >= 0.0f && z <= 1.0f; });
+    if (!legal) {
+        report("precondition", "the device read depth outside of 0..1");
+    }
+    return true;
+}
+
+std::vector<float> ValidatingDevice::depth() const
+{
+    const glm::ivec2 size = view_.size_px();
+    if (options_.depth_checks == DepthChecks::off || !inner_.caps().read_depth || size.x <= 0 ||
+        size.y <= 0) {
+        return {};
+    }
+    std::vector<float> pixels(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+    const bool read = inner_.read_depth({0, 0, size.x, size.y}, pixels);
+    return read ? pixels : std::vector<float>{};
+}
+
+} // namespace occlude

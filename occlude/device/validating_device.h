@@ -1,0 +1,98 @@
+// Asserts the contract of core/query_device.h, line by line, on both sides: what the caller asks,
+// and what the device answers.
+//
+//   C1            frames nest, or a verb comes outside of a frame
+//   C2, C3, C4    only with DepthChecks::around_batches, from depth read before and after: a test
+//                 counts no sample although a pixel deep inside a box shows farther depth; named C2
+//                 if something was drawn since, which the test may have seen. A batch changed
+//                 depth. (Colour cannot be read.)
+//   C5            a box is unbounded or touches the near rectangle, as it is handed to the device,
+//                 so after inflation. A box with a transform is blamed only if it touches both as
+//                 an AABB in world space and exactly, in its own space.
+//   C6            a test without boxes; ends that do not ascend or do not cover all boxes. Such a
+//                 batch does not reach the device: its tickets are invalid.
+//   C7            a spent or foreign ticket is asked again, or is not answered as lost; a ticket is
+//                 given out again. Asking an invalid ticket is fine: it was lost from the start.
+//   C8            a lost or pending answer that does not read as visible
+//   C9            wait() answers pending. (That poll() never blocks cannot be seen.)
+//   C10           an item twice in one pass of a frame
+//   C11           more tests than caps.max_outstanding would be unspent
+//   C12           the device gives an unspent ticket of an earlier frame to another test
+//   passes        shade_equal without depth_only before it, or depth_only that nobody shaded
+//   precondition  a verb's own: span sizes, rectangles inside the target, valid items, depth in
+//   0..1
+#pragma once
+
+#include <occlude/core/query_device.h>
+
+#include <functional>
+#include <map>
+#include <string_view>
+#include <unordered_map>
+
+namespace occlude {
+
+/// Called with the name of the broken rule and a sentence.
+using ViolationHandler = std::function<void(std::string_view rule, std::string_view message)>;
+
+class ValidatingDevice final : public QueryDevice {
+public:
+    enum class DepthChecks : uint8_t {
+        off,
+        around_batches, ///< reads all depth twice a batch: slow; needs caps().read_depth
+    };
+
+    struct Options {
+        /// Default: the assert handler (set_assert_handler), in release builds too.
+        ViolationHandler on_violation = {};
+        DepthChecks depth_checks = DepthChecks::off;
+    };
+
+    /// Keeps a reference: `inner` outlives this device. Tickets pass through unchanged.
+    explicit ValidatingDevice(QueryDevice& inner)
+        : ValidatingDevice(inner, Options{})
+    {
+    }
+    ValidatingDevice(QueryDevice& inner, Options options);
+
+    const DeviceCaps& caps() const override { return inner_.caps(); }
+    void begin_frame(const View& view) override;
+    void draw(std::span<const ItemId> items, DrawPass pass) override;
+    void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
+    Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override;
+    void flush() override;
+    Answer poll(Ticket ticket) override;
+    Answer wait(Ticket ticket) override;
+    bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    void end_frame() override;
+
+private:
+    struct Test {
+        uint64_t frame = 0;
+        uint64_t draws_before = 0;
+        int sure_pixels = 0; ///< pixels that must show the boxes; 0 without depth checks
+    };
+
+    void report(std::string_view rule, const std::string& message) const;
+    void require_frame(const char* verb) const;
+    void check_items(std::span<const ItemId> items, DrawPass pass);
+    bool check_batch(const QueryBatch& batch, size_t ticket_count) const;
+    void check_box(const QueryBox& box, size_t index) const;
+    void check_outstanding(size_t new_tests) const;
+    void adopt(Ticket ticket, int sure_pixels);
+    Answer check_answer(const char* verb, Ticket ticket, Answer answer);
+    void check_count(const Test& test, const Answer& answer) const;
+    std::vector<float> depth() const;
+
+    QueryDevice& inner_;
+    Options options_;
+    View view_;
+    bool in_frame_ = false;
+    uint64_t frame_ = 0;
+    uint64_t draws_ = 0;
+    std::map<Ticket, Test> unspent_;
+    std::unordered_map<uint32_t, uint32_t> last_generation_; ///< of each ticket index
+    std::unordered_map<ItemId, uint8_t> passes_;             ///< bit p: drawn in pass p this frame
+};
+
+} // namespace occlude

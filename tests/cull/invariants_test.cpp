@@ -1,0 +1,347 @@
+// What must hold after every frame of every algorithm that tests, whatever the answers and however
+// late they come: invariants I1 to I5, the contract of the device, and decisions that do not depend
+// on latency, threads or compiler. (I6, the image itself, is in exactness_test.cpp.)
+#include <occlude/cull/chc.h>
+#include <occlude/cull/chc_plus_plus.h>
+#include <occlude/cull/registry.h>
+
+#include "support/trees.h"
+#include "support/visibility_script.h"
+
+#include <occlude/device/counting_device.h>
+#include <occlude/device/scripted_device.h>
+#include <occlude/device/validating_device.h>
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace occlude {
+namespace {
+
+struct Case {
+    std::string algorithm;
+    std::vector<OptionValue> options;
+};
+
+std::string name_of(const ::testing::TestParamInfo<Case>& info)
+{
+    std::string name = info.param.algorithm;
+    for (const auto& [option, value] : info.param.options) {
+        name += "_" + option + "_" + value;
+    }
+    for (char& c : name) {
+        c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+    }
+    return name;
+}
+
+const std::vector<Case>& cases()
+{
+    static const std::vector<Case> all{
+        {"stop_and_wait", {}},
+        {"chc", {}},
+        {"chc", {{"visible_test", "geometry"}}},
+        {"chc", {{"assume_visible_frames", "5"}}},
+        {"chc_plus_plus", {}},
+        {"chc_plus_plus", {{"batch_size", "1"}}},
+        {"chc_plus_plus", {{"v_queue", "false"}}},
+        {"chc_plus_plus", {{"v_fill", "1"}}},
+        {"chc_plus_plus", {{"render_queue", "false"}}},
+        {"chc_plus_plus", {{"min_render_triangles", "5000"}}},
+        {"chc_plus_plus", {{"assume_visible_frames", "1"}, {"jitter", "false"}}},
+        {"chc_plus_plus", {{"tight_bounds_depth", "0"}}},
+        {"chc_plus_plus", {{"virtual_leaves", "false"}}},
+        {"chc_plus_plus", {{"multiqueries", "off"}}},
+        {"chc_plus_plus", {{"multiqueries", "analytic"}}},
+        {"chc_plus_plus", {{"depth_only_pass", "true"}}},
+    };
+    return all;
+}
+
+// A camera that walks through the boxes, turns by 90 degrees and jumps.
+View camera(uint64_t frame)
+{
+    const float t = static_cast<float>(frame);
+    if (frame % 16 == 7) {
+        return test::look({-60.0f, 5.0f, 10.0f}, {60.0f, 0.0f, 0.0f}); // a jump
+    }
+    if (frame % 16 > 11) {
+        return test::look({0.0f, 0.0f, 60.0f - t}, {60.0f, 0.0f, 60.0f - t}); // 90 degrees
+    }
+    return test::look({0.0f, 0.0f, 60.0f - t}, {0.1f * t, 0.0f, -60.0f});
+}
+
+Latency random_latency(uint64_t seed, uint64_t test)
+{
+    const uint64_t random = hash64(seed, test);
+    return random % 11 == 0 ? Latency::never() : Latency::after_polls(uniform_below(random, 9));
+}
+
+class Invariants : public ::testing::TestWithParam<Case> {
+protected:
+    static constexpr uint64_t kFrames = 48;
+
+    std::unique_ptr<Culler> make() const
+    {
+        return std::move(make_culler(GetParam().algorithm, tree_, GetParam().options).value());
+    }
+    DeviceScript script(float share = 0.2f)
+    {
+        DeviceScript script{.boxes = test::consistent_visibility(tree_, 9, frame_, share)};
+        script.caps.draw_and_query = true;
+        return script;
+    }
+
+    const Hierarchy tree_ = test::random_bvh(600, 21);
+    uint64_t frame_ = 0;
+};
+
+TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
+{
+    DeviceScript late = script();
+    late.latency = [](uint64_t test) { return random_latency(4, test); };
+    ScriptedDevice scripted(late);
+    std::vector<std::string> violations;
+    ValidatingDevice device(scripted, {.report = [&](std::string_view rule, std::string_view text) {
+                                violations.push_back(std::string{rule} + " " + std::string{text});
+                            }});
+    const auto culler = make();
+    for (frame_ = 0; frame_ < kFrames; ++frame_) {
+        culler->cull(camera(frame_), device);
+        ASSERT_EQ(scripted.outstanding(), 0u); // I2
+    }
+    EXPECT_EQ(violations, std::vector<std::string>{}); // I3 is C10, I5 is C5
+}
+
+TEST_P(Invariants, EveryItemInTheFrustumIsDrawnOrCoveredByATestOfThisFrame)
+{
+    ScriptedDevice device(script());
+    const auto culler = make();
+    uint64_t drawn = 0;
+    uint64_t hidden = 0;
+    for (frame_ = 0; frame_ < kFrames; ++frame_) {
+        device.clear_trace();
+        const View view = camera(frame_);
+        culler->cull(view, device);
+        std::set<NodeId> asked; // nodes whose test, or whose group's test, found nothing
+        std::map<Ticket, std::vector<NodeId>> tests;
+        for (const auto& event : device.trace()) {
+            uint32_t first = 0;
+            for (size_t i = 0; i < event.test_ends.size(); ++i) {
+                tests[event.tickets[i]].assign(event.subjects.begin() + first,
+                                               event.subjects.begin() + event.test_ends[i]);
+                first = event.test_ends[i];
+            }
+            const bool answer = event.verb == ScriptedDevice::Verb::poll ||
+                                event.verb == ScriptedDevice::Verb::wait;
+            if (answer && event.answer.state == AnswerState::ready && event.answer.samples == 0) {
+                asked.insert(tests[event.tickets[0]].begin(), tests[event.tickets[0]].end());
+            }
+        }
+        const std::set<ItemId> in_image(culler->drawn_items().begin(), culler->drawn_items().end());
+        const std::vector<Decision> decisions = culler->decisions().by_item(tree_);
+        std::vector<bool> covered(decisions.size());
+        for (const NodeId node : asked) {
+            for (const ItemId item : tree_.subtree_items(node)) {
+                covered[item.value] = true;
+            }
+        }
+        for (size_t i = 0; i < tree_.items().size(); ++i) {
+            const ItemId item = tree_.items()[i];
+            if (view.frustum().classify(tree_.item_bounds()[i].box) == Containment::outside) {
+                continue;
+            }
+            const bool is_in_image = in_image.contains(item);
+            ASSERT_TRUE(is_in_image || covered[item.value]) << "item " << item.value; // I1
+            ASSERT_EQ(is_in_image, is_drawn(decisions[item.value]));
+            (is_in_image ? drawn : hidden) += 1;
+        }
+    }
+    // The scene is evidence: both outcomes are frequent.
+    EXPECT_GT(drawn, (drawn + hidden) / 10);
+    EXPECT_GT(hidden, (drawn + hidden) / 10);
+}
+
+TEST_P(Invariants, LatencyChangesWaitsNeverDecisions)
+{
+    const auto run = [&](std::function<Latency(uint64_t)> latency) {
+        DeviceScript late = script();
+        late.latency = std::move(latency);
+        ScriptedDevice device(late);
+        const auto culler = make();
+        std::vector<uint64_t> hashes;
+        for (frame_ = 0; frame_ < kFrames; ++frame_) {
+            culler->cull(camera(frame_), device);
+            hashes.push_back(culler->decisions().hash(tree_, frame_));
+        }
+        return hashes;
+    };
+    const auto at_once = run({});
+    EXPECT_EQ(at_once, run([](uint64_t) { return Latency::never(); }));
+    EXPECT_EQ(at_once, run([](uint64_t) { return Latency::after_polls(3); }));
+    EXPECT_EQ(at_once, run([](uint64_t test) { return random_latency(8, test); }));
+}
+
+TEST_P(Invariants, TheReportAgreesWithACountFromOutside)
+{
+    ScriptedDevice scripted(script());
+    std::vector<uint32_t> triangles(tree_.items().size());
+    for (size_t i = 0; i < triangles.size(); ++i) {
+        triangles[tree_.items()[i].value] = tree_.item_bounds()[i].triangles;
+    }
+    CountingDevice device(scripted, triangles);
+    const auto culler = make();
+    for (frame_ = 0; frame_ < kFrames; ++frame_) {
+        FrameCounters told = culler->cull(camera(frame_), device).counters;
+        const FrameCounters& seen = device.frame_counters();
+        // What only the algorithm can know.
+        told.nodes_visited = seen.nodes_visited;
+        told.multiqueries = seen.multiqueries;
+        told.multiqueries_failed = seen.multiqueries_failed;
+        for_each_counter(told, [&](const char* name, uint64_t value) {
+            for_each_counter(seen, [&](const char* other, uint64_t expected) {
+                if (std::string_view{name} == other) {
+                    ASSERT_EQ(value, expected) << name << " in frame " << frame_;
+                }
+            });
+        });
+    }
+}
+
+TEST_P(Invariants, LostAnswersOnlyMakeMoreVisible)
+{
+    DeviceScript lossy = script();
+    lossy.latency = [](uint64_t test) { return test % 3 == 0 ? Latency::lost() : Latency{}; };
+    ScriptedDevice scripted(lossy);
+    ScriptedDevice reliable(script());
+    const auto culler = make();
+    uint64_t lost = 0;
+    for (frame_ = 0; frame_ < kFrames; ++frame_) {
+        const View view = camera(frame_);
+        lost += culler->cull(view, scripted).counters.lost_answers;
+        const std::set<ItemId> in_image(culler->drawn_items().begin(), culler->drawn_items().end());
+        for (size_t i = 0; i < tree_.items().size(); ++i) {
+            const ItemId item = tree_.items()[i];
+            if (test::item_visible(9, frame_, item, 0.2f) &&
+                view.frustum().classify(tree_.item_bounds()[i].box) != Containment::outside) {
+                ASSERT_TRUE(in_image.contains(item));
+            }
+        }
+    }
+    EXPECT_GT(lost, 0u);
+}
+
+TEST_P(Invariants, ADeviceWithoutAnswersInTheSameFrameDrawsEverything)
+{
+    DeviceScript slow = script();
+    slow.caps.same_frame_results = false;
+    ScriptedDevice device(slow);
+    const auto culler = make();
+    for (frame_ = 0; frame_ < 4; ++frame_) {
+        const View view = camera(frame_);
+        culler->cull(view, device);
+        size_t in_frustum = 0;
+        for (const ItemBounds& item : tree_.item_bounds()) {
+            in_frustum += view.frustum().classify(item.box) != Containment::outside ? 1 : 0;
+        }
+        EXPECT_EQ(culler->drawn_items().size(), in_frustum);
+    }
+}
+
+TEST_P(Invariants, OddHierarchiesAreHarmless)
+{
+    std::vector<ItemBounds> odd = test::random_boxes(40, 5);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    odd[3].box.min.x = nan;
+    odd[4].box = Aabb::everything();
+    odd[5].box = Aabb::empty();
+    odd[6].box.max = odd[6].box.min; // a point
+    odd[7].box.max.y = odd[7].box.min.y;
+    for (const std::vector<ItemBounds>& items : {odd, std::vector<ItemBounds>{odd[4]},
+                                                 std::vector<ItemBounds>{odd[5]},
+                                                 std::vector<ItemBounds>{}}) {
+        const Hierarchy tree = build_bvh(items, {.leaf_triangles = 300});
+        DeviceScript none_visible{.boxes = visible_subjects({})};
+        none_visible.caps.draw_and_query = true;
+        ScriptedDevice scripted(none_visible);
+        std::vector<std::string> violations;
+        ValidatingDevice device(scripted,
+                                {.report = [&](std::string_view rule, std::string_view text) {
+                                    violations.push_back(std::string{rule} + " " + std::string{text});
+                                }});
+        const auto culler =
+            std::move(make_culler(GetParam().algorithm, tree, GetParam().options).value());
+        for (uint64_t frame = 0; frame < 3; ++frame) {
+            culler->cull(camera(frame), device);
+        }
+        EXPECT_EQ(violations, std::vector<std::string>{});
+        // The unknown and the unbounded are always drawn.
+        const std::set<ItemId> drawn(culler->drawn_items().begin(), culler->drawn_items().end());
+        if (items.size() == odd.size()) {
+            EXPECT_TRUE(drawn.contains(ItemId{3u}));
+            EXPECT_TRUE(drawn.contains(ItemId{4u}));
+            EXPECT_FALSE(drawn.contains(ItemId{5u}));
+        }
+    }
+}
+
+TEST_P(Invariants, ADegenerateViewCullsNothing)
+{
+    ScriptedDevice device(script(0.0f));
+    const auto culler = make();
+    culler->cull(View::from_clip(glm::mat4{0.0f}, {64, 64}), device);
+    EXPECT_EQ(culler->drawn_items().size(), tree_.items().size());
+}
+
+TEST_P(Invariants, AResetForgetsEverything)
+{
+    ScriptedDevice device(script());
+    const auto culler = make();
+    std::vector<std::string> first_frames;
+    for (int run = 0; run < 2; ++run) {
+        device.clear_trace();
+        frame_ = 0;
+        culler->cull(camera(0), device);
+        std::string text = device.trace_text();
+        first_frames.push_back(text.substr(text.find('\n')));
+        for (frame_ = 1; frame_ < 9; ++frame_) {
+            culler->cull(camera(frame_), device);
+        }
+        culler->reset();
+    }
+    EXPECT_EQ(first_frames[0], first_frames[1]);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases()), name_of);
+
+template <class C>
+void expect_visible_nodes_have_visible_ancestors(C& culler, const Hierarchy& tree)
+{
+    for (uint32_t i = 1; i < tree.nodes().size(); ++i) {
+        if (culler.visible(NodeId{i})) {
+            ASSERT_TRUE(culler.visible(tree.node(NodeId{i}).parent)) << "node " << i;
+        }
+    }
+}
+
+TEST(PullUp, EveryAncestorOfAVisibleNodeIsVisible)
+{
+    const Hierarchy tree = test::random_bvh(600, 22);
+    uint64_t frame = 0;
+    ScriptedDevice device({.boxes = test::consistent_visibility(tree, 6, frame, 0.2f)});
+    Chc chc{tree};
+    ChcPlusPlus chc_plus_plus{tree};
+    const View view = test::look({0, 0, 110}, {0, 0, 0});
+    for (; frame < 20; ++frame) {
+        chc.cull(view, device);
+        chc_plus_plus.cull(view, device);
+        expect_visible_nodes_have_visible_ancestors(chc, tree);
+        expect_visible_nodes_have_visible_ancestors(chc_plus_plus, tree);
+    }
+    EXPECT_TRUE(chc.visible(tree.root()));
+    EXPECT_TRUE(chc_plus_plus.visible(tree.root()));
+}
+
+} // namespace
+} // namespace occlude
