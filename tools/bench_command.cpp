@@ -39,9 +39,9 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
     BenchDocument document = describe(**session, options, options.stage.path, views->size());
     {
         Progress progress{streams.err, streams.watcher, "measuring " + document.scene};
-        auto runs = measure(stage, *contenders, *views,
-                            {.repeat = options.repeat,
-                             .progress = [&](double share) { progress.show(share); }});
+        auto runs = measure(
+            stage, *contenders, *views,
+            {.repeat = options.repeat, .progress = [&](double share) { progress.show(share); }});
         if (!runs) {
             return runs.error();
         }

@@ -34,29 +34,27 @@ T value_or_throw(Result<T> result)
 
 CLI::Validator at_least_one()
 {
-    return CLI::Validator{[](const std::string& text) {
-                              const bool digits =
-                                  !text.empty() &&
-                                  std::all_of(text.begin(), text.end(),
-                                              [](char c) { return c >= '0' && c <= '9'; });
-                              const bool zero = text.find_first_not_of('0') == std::string::npos;
-                              return digits && !zero ? std::string{}
-                                                     : "'" + text + "' is not a number from 1 up";
-                          },
-                          "N"};
+    return CLI::Validator{
+        [](const std::string& text) {
+            const bool digits = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+                return c >= '0' && c <= '9';
+            });
+            const bool zero = text.find_first_not_of('0') == std::string::npos;
+            return digits && !zero ? std::string{} : "'" + text + "' is not a number from 1 up";
+        },
+        "N"};
 }
 
 CLI::Validator whole_number()
 {
-    return CLI::Validator{[](const std::string& text) {
-                              const bool digits =
-                                  !text.empty() &&
-                                  std::all_of(text.begin(), text.end(),
-                                              [](char c) { return c >= '0' && c <= '9'; });
-                              return digits ? std::string{}
-                                            : "'" + text + "' is not a whole number";
-                          },
-                          "N"};
+    return CLI::Validator{
+        [](const std::string& text) {
+            const bool digits = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+                return c >= '0' && c <= '9';
+            });
+            return digits ? std::string{} : "'" + text + "' is not a whole number";
+        },
+        "N"};
 }
 
 void add_stage_options(CLI::App& app, RawStage& raw)
@@ -171,8 +169,9 @@ public:
         add_stage_options(*info_, info_stage_);
         add_frames_option(*info_, info_stage_.stage);
         list_ = app_.add_subcommand("list", "List what there is to choose from");
-        list_->add_option("what", list_options_.what,
-                          "algorithms, hierarchies, devices, scenes or paths")
+        list_
+            ->add_option("what", list_options_.what,
+                         "algorithms, hierarchies, devices, scenes or paths")
             ->required();
         list_->add_option("scene", list_options_.scene, "For paths: the scene whose paths to list");
     }
@@ -262,9 +261,8 @@ int run_program(int argc, const char* const* argv, const Streams& streams)
     if (argc <= 1 || is_unknown_command(argc, argv)) {
         const std::string problem =
             argc <= 1 ? "no command given" : fmt::format("there is no command '{}'", argv[1]);
-        return fail(streams,
-                    fmt::format("{}; choose one of {}; see 'occlude --help'", problem,
-                                fmt::join(kCommands, ", ")));
+        return fail(streams, fmt::format("{}; choose one of {}; see 'occlude --help'", problem,
+                                         fmt::join(kCommands, ", ")));
     }
     try {
         return parse_and_run(argc, argv, streams);

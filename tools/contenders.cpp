@@ -121,10 +121,10 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
         if (!settings) {
             return settings.error();
         }
-        contenders.push_back({info.name, [name = info.name, values = *settings](
-                                             const Hierarchy& hierarchy) {
-                                  return make_culler(name, hierarchy, values);
-                              }});
+        contenders.push_back(
+            {info.name, [name = info.name, values = *settings](const Hierarchy& hierarchy) {
+                 return make_culler(name, hierarchy, values);
+             }});
     }
     return contenders;
 }

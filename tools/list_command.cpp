@@ -86,9 +86,9 @@ Result<std::string> list_text(const ListOptions& options)
 Result<int> list_command(const ListOptions& options, const Streams& streams)
 {
     if (!options.scene.empty() && options.what != "paths") {
-        return Error{ErrorCode::invalid_argument,
-                     fmt::format("list {}: takes no scene; only 'list paths SCENE' does",
-                                 options.what)};
+        return Error{
+            ErrorCode::invalid_argument,
+            fmt::format("list {}: takes no scene; only 'list paths SCENE' does", options.what)};
     }
     const auto text = list_text(options);
     if (!text) {

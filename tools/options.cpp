@@ -46,8 +46,9 @@ Result<FrameRange> parse_frame_range(std::string_view text)
             return FrameRange{*first, *last};
         }
     }
-    return Error{ErrorCode::invalid_argument,
-                 fmt::format("--frames: '{}' is not a range; write FIRST:LAST, such as 0:99", text)};
+    return Error{
+        ErrorCode::invalid_argument,
+        fmt::format("--frames: '{}' is not a range; write FIRST:LAST, such as 0:99", text)};
 }
 
 Result<SetOption> parse_set(std::string_view text)

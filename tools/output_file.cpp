@@ -17,9 +17,9 @@ Result<OutputFile> OutputFile::open(const fs::path& path)
 {
     std::error_code ignored;
     if (path.empty() || fs::is_directory(path, ignored)) {
-        return Error{ErrorCode::invalid_argument,
-                     fmt::format("cannot write '{}': it is a directory; give a file name",
-                                 path.string())};
+        return Error{
+            ErrorCode::invalid_argument,
+            fmt::format("cannot write '{}': it is a directory; give a file name", path.string())};
     }
     const fs::path directory = path.has_parent_path() ? path.parent_path() : fs::path{"."};
     if (!fs::is_directory(directory, ignored)) {
@@ -59,15 +59,14 @@ Result<bool> OutputFile::commit(std::string_view content)
     stream_.write(content.data(), static_cast<std::streamsize>(content.size()));
     stream_.close();
     if (!stream_) {
-        return Error{ErrorCode::bad_data,
-                     fmt::format("cannot write '{}': {}; is the disk full?", path_.string(),
-                                 std::strerror(errno))};
+        return Error{ErrorCode::bad_data, fmt::format("cannot write '{}': {}; is the disk full?",
+                                                      path_.string(), std::strerror(errno))};
     }
     std::error_code failed;
     fs::rename(temporary_, path_, failed);
     if (failed) {
-        return Error{ErrorCode::bad_data, fmt::format("cannot replace '{}': {}", path_.string(),
-                                                      failed.message())};
+        return Error{ErrorCode::bad_data,
+                     fmt::format("cannot replace '{}': {}", path_.string(), failed.message())};
     }
     temporary_.clear();
     return true;

@@ -31,9 +31,9 @@ std::string encode_png(const Image& image)
     // PNG starts with the top row, images with the bottom one.
     for (int y = image.size.y - 1; y >= 0; --y) {
         for (int x = 0; x < image.size.x; ++x) {
-            const uint32_t pixel = image.pixels[static_cast<size_t>(y) *
-                                                    static_cast<size_t>(image.size.x) +
-                                                static_cast<size_t>(x)];
+            const uint32_t pixel =
+                image.pixels[static_cast<size_t>(y) * static_cast<size_t>(image.size.x) +
+                             static_cast<size_t>(x)];
             for (int channel = 0; channel < kChannels; ++channel) {
                 rgb.push_back(static_cast<uint8_t>(pixel >> (8 * channel)));
             }

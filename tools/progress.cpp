@@ -43,9 +43,8 @@ void Progress::show(double share)
     last_shown_ = now;
     share = std::clamp(share, 0.0, 1.0);
     const auto filled = static_cast<size_t>(share * static_cast<double>(kBarWidth));
-    std::string line =
-        fmt::format("{} [{}{}] {:3.0f}%", label_, std::string(filled, '#'),
-                    std::string(kBarWidth - filled, '.'), 100.0 * share);
+    std::string line = fmt::format("{} [{}{}] {:3.0f}%", label_, std::string(filled, '#'),
+                                   std::string(kBarWidth - filled, '.'), 100.0 * share);
     if (share > 0.0) {
         line += ", about " + duration_text((now - start_) * (1.0 - share) / share) + " left";
     }

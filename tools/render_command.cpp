@@ -1,5 +1,5 @@
-#include "contenders.h"
 #include "commands.h"
+#include "contenders.h"
 #include "output_file.h"
 #include "picture.h"
 #include "png.h"

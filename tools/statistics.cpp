@@ -48,8 +48,8 @@ Distribution distribution(std::span<const double> values)
             .p95 = percentile(values, 0.95),
             .p99 = percentile(values, 0.99),
             .max = percentile(values, 1.0),
-            .total = values.empty() ? kNotKnown
-                                    : std::accumulate(values.begin(), values.end(), 0.0)};
+            .total =
+                values.empty() ? kNotKnown : std::accumulate(values.begin(), values.end(), 0.0)};
 }
 
 } // namespace occlude::tools

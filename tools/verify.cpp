@@ -24,9 +24,8 @@ Mask difference(const Capture& a, const Capture& b)
     }
     Mask mask(pixels, 0);
     for (size_t i = 0; i < pixels; ++i) {
-        const bool same_depth =
-            i >= a.depth.size() ||
-            std::bit_cast<uint32_t>(a.depth[i]) == std::bit_cast<uint32_t>(b.depth[i]);
+        const bool same_depth = i >= a.depth.size() || std::bit_cast<uint32_t>(a.depth[i]) ==
+                                                           std::bit_cast<uint32_t>(b.depth[i]);
         mask[i] = a.color.pixels[i] == b.color.pixels[i] && same_depth ? 0 : 1;
     }
     return mask;
@@ -43,7 +42,8 @@ Capture draw_and_capture(const Stage& stage, const View& view, std::span<const I
     return stage.renderer.capture();
 }
 
-// Walks up from each item's node to the first node that something was decided for. O(items + nodes).
+// Walks up from each item's node to the first node that something was decided for. O(items +
+// nodes).
 void blame(const Hierarchy& hierarchy, const DecisionLog& decisions,
            std::span<MissingItem> missing_items)
 {
@@ -83,7 +83,7 @@ std::vector<MissingItem> find_missing(const Stage& stage, const View& view, cons
     }
     std::vector<MissingItem> missing;
     for (const auto& [id, pixels] : pixels_of) {
-        missing.push_back({.item = ItemId{id}, .pixels = pixels});
+        missing.push_back({ItemId{id}, pixels, NodeId{}, Decision::undecided});
     }
     std::stable_sort(
         missing.begin(), missing.end(),

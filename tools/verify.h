@@ -23,8 +23,7 @@ Verdict judge_frame(const Stage& stage, const View& view, const Capture& referen
 /// One run per contender, with a verdict and counters in every frame and no times. Fails if a
 /// contender cannot be made.
 Result<std::vector<Run>> verify(const Stage& stage, std::span<const Contender> contenders,
-                                std::span<const View> views,
-                                const ProgressCallback& progress = {});
+                                std::span<const View> views, const ProgressCallback& progress = {});
 
 /// True if every run that promises exact images kept the promise.
 bool promises_kept(std::span<const Run> runs);

@@ -96,9 +96,9 @@ std::string align_columns(const std::vector<std::vector<std::string>>& rows)
 
 std::string bench_table(const BenchDocument& document)
 {
-    std::vector<std::vector<std::string>> rows = {
-        {"algorithm", "median ms", "p99 ms", "speed-up", "vs opt", "vs ideal", "queries",
-         "state changes", "triangles", "differing px"}};
+    std::vector<std::vector<std::string>> rows = {{"algorithm", "median ms", "p99 ms", "speed-up",
+                                                   "vs opt", "vs ideal", "queries", "state changes",
+                                                   "triangles", "differing px"}};
     for (const Run& run : document.runs) {
         rows.push_back(bench_row(run));
     }
