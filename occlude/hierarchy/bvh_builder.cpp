@@ -59,12 +59,23 @@ struct Bin {
         weight += other.weight;
         items += other.items;
     }
-    double cost() const
-    {
-        const glm::dvec3 e = glm::dvec3{box.max} - glm::dvec3{box.min};
-        return (e.x * e.y + e.y * e.z + e.z * e.x) * static_cast<double>(weight);
-    }
 };
+
+// What a box costs: its area, or its length where all boxes of the node lie on one line and no area
+// could tell splits apart.
+enum class Measure { area, length };
+
+double measure_of(const Aabb& box, Measure measure)
+{
+    const glm::dvec3 e = glm::dvec3{box.max} - glm::dvec3{box.min};
+    return measure == Measure::area ? e.x * e.y + e.y * e.z + e.z * e.x : e.x + e.y + e.z;
+}
+
+double cost(const Bin& bin, Measure measure)
+{
+    return bin.items > 0 ? measure_of(bin.box, measure) * static_cast<double>(bin.weight)
+                         : Aabb::kInfinity; // such a split does not split
+}
 
 // Maps centres to bins, per axis. An axis on which all centres coincide, or whose extent is too
 // small or too large for float, has scale 0: everything falls into bin 0.
@@ -203,6 +214,12 @@ private:
     static Split best_split(Primitives primitives, const Binning& binning)
     {
         const Bins all = fill_bins(primitives, binning);
+        Bin whole;
+        for (uint32_t i = 0; i < binning.count; ++i) {
+            whole.add(all.bins[0][i]);
+        }
+        const Measure measure =
+            measure_of(whole.box, Measure::area) > 0.0 ? Measure::area : Measure::length;
         Split best;
         double best_cost = Aabb::kInfinity;
         for (int axis = 0; axis < 3; ++axis) {
@@ -214,13 +231,14 @@ private:
             Bin right;
             for (uint32_t i = binning.count - 1; i > 0; --i) {
                 right.add(bins[i]);
-                right_cost[i] = right.items > 0 ? right.cost() : Aabb::kInfinity;
+                right_cost[i] = cost(right, measure);
             }
             Bin left;
             for (uint32_t i = 1; i < binning.count; ++i) {
                 left.add(bins[i - 1]);
-                if (left.items > 0 && left.cost() + right_cost[i] < best_cost) {
-                    best_cost = left.cost() + right_cost[i];
+                const double here = cost(left, measure) + right_cost[i];
+                if (here < best_cost) {
+                    best_cost = here;
                     best = {axis, i};
                 }
             }
