@@ -124,7 +124,7 @@ TEST(BvhBuilder, OneItemMakesOneLeaf)
 
 TEST(BvhBuilder, TreesOfRandomItemsAreValid)
 {
-    for (const size_t count : {2, 3, 4, 5, 17, 100, 1000, 20000}) {
+    for (const size_t count : {2u, 3u, 4u, 5u, 17u, 100u, 1000u, 20000u}) {
         for (const uint32_t leaf_items : {1u, 2u, 5u, 64u}) {
             for (const uint32_t bins : {2u, 16u, 1000u}) {
                 const std::vector<ItemBounds> items = random_items(count, count);
