@@ -1,0 +1,12 @@
+#include "cli.h"
+
+#include <iostream>
+
+#include <unistd.h>
+
+int main(int argc, char** argv)
+{
+    using namespace occlude::tools;
+    const Watcher watcher = ::isatty(STDERR_FILENO) != 0 ? Watcher::terminal : Watcher::none;
+    return run_program(argc, argv, {std::cout, std::cerr, watcher});
+}

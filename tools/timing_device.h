@@ -1,0 +1,48 @@
+// A decorator that measures how long the device takes, so that the rest of a frame can be charged
+// to the culler.
+#pragma once
+
+#include <occlude/core/query_device.h>
+
+#include <functional>
+
+namespace occlude::tools {
+
+/// Seconds since some fixed moment; never goes back.
+using Clock = std::function<double()>;
+Clock steady_clock();
+
+class TimingDevice final : public QueryDevice {
+public:
+    /// `inner` outlives the decorator.
+    TimingDevice(QueryDevice& inner, Clock clock)
+        : inner_(inner)
+        , clock_(std::move(clock))
+    {
+    }
+
+    /// Seconds spent in any verb, waits included, since the last restart.
+    double verb_seconds() const { return verb_seconds_; }
+    /// Seconds spent in wait().
+    double wait_seconds() const { return wait_seconds_; }
+    void restart();
+
+    const DeviceCaps& caps() const override { return inner_.caps(); }
+    void begin_frame(const View& view) override;
+    void draw(std::span<const ItemId> items, DrawPass pass) override;
+    void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
+    Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override;
+    void flush() override;
+    Answer poll(Ticket ticket) override;
+    Answer wait(Ticket ticket) override;
+    bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    void end_frame() override;
+
+private:
+    QueryDevice& inner_;
+    Clock clock_;
+    double verb_seconds_ = 0.0;
+    double wait_seconds_ = 0.0;
+};
+
+} // namespace occlude::tools
