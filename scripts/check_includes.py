@@ -92,8 +92,7 @@ def check_include(root, name, room, match):
             return f"cull must not use files, threads or clocks (<{path}>)"
         return None
     if path.startswith(THIRD_PARTY.get(room, ())):
-        private = name.suffix == ".cpp" or "detail" in name.parts
-        return None if private else f"a public header must include GLM and std only (<{path}>)"
+        return None if private(name) else f"a public header must include GLM and std only (<{path}>)"
     return f"{room} must not use <{path}>"
 
 
@@ -117,6 +116,42 @@ def check_file(root, name):
     return problems
 
 
+def private(name):
+    """True for files that users of the library never include."""
+    return name.suffix == ".cpp" or "detail" in name.parts
+
+
+def includes_of(root, name):
+    """(line number, path) of each include in angle brackets of a file."""
+    for number, line in enumerate(code_lines((root / name).read_text(encoding="utf-8")), 1):
+        match = INCLUDE.match(line)
+        if match and match["open"] == "<":
+            yield number, match["path"]
+
+
+def third_party_reached(root, name, known):
+    """The third-party include that a header reaches, itself or through others, or None."""
+    if name not in known:
+        known[name] = None  # ends the search in circles
+        for _, path in includes_of(root, name):
+            if path.startswith(THIRD_PARTY.get(room_of(name.relative_to("occlude")), ())):
+                known[name] = path
+            elif path.startswith("occlude/") and (root / path).is_file():
+                known[name] = third_party_reached(root, Path(path), known)
+            if known[name]:
+                break
+    return known[name]
+
+
+def check_reach(root, name, known):
+    """Sentences about a public header that reaches third-party headers through private ones."""
+    for number, path in includes_of(root, name):
+        if path.startswith("occlude/") and private(Path(path)) and (root / path).is_file():
+            reached = third_party_reached(root, Path(path), known)
+            if reached:
+                yield f"{name}:{number}: a public header must not reach <{reached}> through <{path}>"
+
+
 def check_tree(root):
     """All violations below root/occlude, in a fixed order, and the number of files read."""
     files = sorted(
@@ -125,6 +160,10 @@ def check_tree(root):
         if path.suffix in (".h", ".cpp")
     )
     problems = [problem for name in files for problem in check_file(root, name)]
+    known = {}
+    for name in files:
+        if not private(name):
+            problems += check_reach(root, name, known)
     return problems, len(files)
 
 

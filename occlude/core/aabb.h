@@ -1,12 +1,10 @@
-// Axis-aligned boxes, and what the odd ones mean.
+// Axis-aligned boxes, and what the odd ones mean. The first line that fits decides:
 //
-//   box                          meaning                                 treated as
-//   min <= max on every axis     an ordinary closed box                  itself
-//   min == max on some axis      flat, a line or a point: ordinary       itself; inflated before a
-//   test min > max on some axis       empty: it bounds nothing                outside of every
-//   frustum infinite on some side        unbounded there                         never tested,
-//   always visible NaN anywhere                 unknown                                 unbounded
-//   on every axis
+//   NaN in any corner           unknown       as everything(): unbounded, always visible
+//   min > max on some axis      empty         bounds nothing, outside of every frustum
+//   infinite on some side       unbounded     never tested, never outside, always visible
+//   min == max on some axis     flat          ordinary: a face, a line or a point
+//   else                        ordinary      a closed box: its faces belong to it
 //
 // The safe direction is "larger": an unknown box is visible, never hidden.
 #pragma once
@@ -30,7 +28,10 @@ struct Aabb {
     static Aabb everything() { return {glm::vec3{-kInfinity}, glm::vec3{kInfinity}}; }
 
     /// True if the box bounds nothing. False for NaN boxes: the unknown is not nothing.
-    bool is_empty() const { return min.x > max.x || min.y > max.y || min.z > max.z; }
+    bool is_empty() const
+    {
+        return (min.x > max.x || min.y > max.y || min.z > max.z) && !has_nan();
+    }
 
     /// True if the box has finite corners and is not empty: the only kind that can be tested.
     bool is_bounded() const
@@ -47,7 +48,9 @@ struct Aabb {
                  max.y == max.y && max.z == max.z);
     }
 
-    glm::vec3 center() const { return 0.5f * (min + max); }
+    /// The middle; finite for every bounded box.
+    glm::vec3 center() const { return 0.5f * min + 0.5f * max; }
+    /// The size along each axis; infinite where it is too large for float.
     glm::vec3 extent() const { return max - min; }
 
     bool operator==(const Aabb&) const = default;
@@ -74,7 +77,8 @@ inline Aabb merge(const Aabb& a, const Aabb& b)
     return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
 }
 
-/// True if `inner` lies in `outer`, faces included. An empty box lies in every box.
+/// True if `inner` lies in `outer`, faces included. An empty box lies in every box; of NaN boxes
+/// nothing is known, so they neither contain anything else nor lie in anything.
 inline bool contains(const Aabb& outer, const Aabb& inner)
 {
     if (inner.is_empty()) {
@@ -84,17 +88,19 @@ inline bool contains(const Aabb& outer, const Aabb& inner)
            inner.max.x <= outer.max.x && inner.max.y <= outer.max.y && inner.max.z <= outer.max.z;
 }
 
-/// Surface area, in square world units; 0 for an empty box, infinite for an unbounded one.
+/// Surface area, in square world units; 0 for an empty box, infinite for an unbounded or NaN one.
 float surface_area(const Aabb& box);
 
 /// The box grown by `margin` >= 0 on all six sides; empty boxes stay empty.
 Aabb inflated(const Aabb& box, float margin);
 
 /// A box around `box` after the affine map `to_from`: never smaller than the exact image of the
-/// box (rounding goes outward). Unbounded or NaN boxes become everything(), empty ones stay empty.
+/// box (rounding goes outward). Unbounded or NaN boxes, and boxes under a matrix that is not
+/// finite, become everything(); empty ones stay empty.
 Aabb transformed(const glm::mat4& to_from, const Aabb& box);
 
-/// Squared distance from `point` to the nearest point of the box: 0 inside, infinite if empty.
+/// Squared distance from `point` to the nearest point of the box: 0 inside and for NaN boxes,
+/// infinite for empty ones.
 float distance_squared(const Aabb& box, const glm::vec3& point);
 
 } // namespace occlude

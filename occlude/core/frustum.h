@@ -53,7 +53,8 @@ public:
     const glm::vec4& plane(Plane which) const { return planes_[which]; }
 
     /// Where `box` lies, testing only the planes in `mask`; clears the bits of the planes that the
-    /// whole box is inside of. Empty boxes are outside; unbounded and NaN boxes are never outside.
+    /// whole box is inside of. `inside` is certain; `outside` is certain; `intersects` is what is
+    /// left. Empty boxes are outside; unbounded and NaN boxes intersect, and clear no bit.
     Containment classify(const Aabb& box, PlaneMask& mask) const;
 
     Containment classify(const Aabb& box) const

@@ -7,11 +7,10 @@
 // Optional: draw_and_query (caps.draw_and_query), read_depth (caps.read_depth).
 //
 // The contract. ValidatingDevice asserts each line by its name:
-//   C1  Frames do not nest: begin_frame, verbs, end_frame. Outside a frame only poll and wait are
-//   allowed. C2  Verbs take effect in call order. A test sees exactly the depth of the draws before
-//   it. C3  A test counts at least one sample if any sample inside its boxes could be seen. It may
-//   count
-//       more than an ideal one would (the boxes are a superset), never fewer than one then.
+//   C1  Frames do not nest: begin_frame, verbs, end_frame. Only poll and wait may come outside.
+//   C2  Verbs take effect in call order. A test sees exactly the depth of the draws before it.
+//   C3  A test counts at least one sample if any sample inside its boxes could be seen. It may
+//       count more than an ideal one would (boxes are a superset), never fewer than one then.
 //   C4  A test writes nothing: neither colour nor depth.
 //   C5  Boxes are bounded and do not touch the near rectangle (View::touches_near is false).
 //   C6  A test has at least one box. Boxes of one test may overlap; they count as one union.
@@ -68,7 +67,7 @@ struct DeviceCaps {
     bool draw_and_query = false;    ///< the verb of that name works
     bool read_depth = false;        ///< the verb of that name works
     uint32_t max_outstanding = 4096;
-    std::vector<TestCost> methods; ///< the test methods there are, the default first
+    std::vector<TestCost> methods = {}; ///< the test methods there are, the default first
     float us_per_triangle = 0.15f;
 };
 

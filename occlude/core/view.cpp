@@ -42,6 +42,43 @@ glm::dvec4 common_zero(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec
     return {minor(1, 2, 3), -minor(0, 2, 3), minor(0, 1, 3), -minor(0, 1, 2)};
 }
 
+// The largest world size, over the directions on the screen, of one pixel at clip w = 1. Pixels at
+// point p move with the rows x - s * w and y - t * w, where s and t depend on p; what is
+// perpendicular to w is left of them for every s and t. The least stretch of those two rows is
+// their smaller singular value.
+double largest_pixel_per_w(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& w,
+                           glm::ivec2 size_px)
+{
+    const glm::dvec3 toward_w{w};
+    const double w_squared = glm::dot(toward_w, toward_w);
+    const auto perpendicular = [&](const glm::dvec3& row) {
+        return w_squared > 0.0 ? row - toward_w * (glm::dot(row, toward_w) / w_squared) : row;
+    };
+    const glm::dvec3 across = perpendicular(glm::dvec3{x}) * (0.5 * size_px.x);
+    const glm::dvec3 up = perpendicular(glm::dvec3{y}) * (0.5 * size_px.y);
+    const double xx = glm::dot(across, across);
+    const double yy = glm::dot(up, up);
+    const double xy = glm::dot(across, up);
+    const double larger = 0.5 * (xx + yy) + std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
+    return std::sqrt(larger / (xx * yy - xy * xy));
+}
+
+// From the eye to the farthest corner of the near rectangle; infinite if a corner is not before
+// the eye, as under a very oblique near plane.
+double corner_reach(const glm::dmat4& world_from_clip, const glm::dvec3& eye, double z_near)
+{
+    double reach = 0.0;
+    for (const double x : {-1.0, 1.0}) {
+        for (const double y : {-1.0, 1.0}) {
+            const glm::dvec4 corner = world_from_clip * glm::dvec4{x, y, z_near, 1.0};
+            const double distance = glm::length(glm::dvec3{corner} / corner.w - eye);
+            const bool before_eye = corner.w > 0.0 && std::isfinite(distance);
+            reach = std::max(reach, before_eye ? distance : double{Aabb::kInfinity});
+        }
+    }
+    return reach;
+}
+
 } // namespace
 
 View View::from_clip(const glm::mat4& clip_from_world, glm::ivec2 size_px,
@@ -54,48 +91,39 @@ View View::from_clip(const glm::mat4& clip_from_world, glm::ivec2 size_px,
 
     const glm::dmat4 clip{clip_from_world};
     if (!all_finite(clip) || glm::determinant(clip) == 0.0 || size_px.x <= 0 || size_px.y <= 0) {
-        return view; // degenerate: a default frustum culls nothing, and every box touches the near
-                     // plane
+        return view; // degenerate: the frustum culls nothing, and every box touches the near plane
     }
-    view.degenerate_ = false;
-    view.frustum_ = Frustum::from_clip(clip_from_world, convention);
-
     const glm::dmat4 rows = glm::transpose(clip);
+    view.pixel_per_w_ = static_cast<float>(largest_pixel_per_w(rows[0], rows[1], rows[3], size_px));
+    if (!std::isfinite(view.pixel_per_w_)) {
+        view.pixel_per_w_ = 0.0f;
+        return view; // nearly singular
+    }
     view.orthographic_ = glm::length(glm::dvec3{rows[3]}) <= 1e-12 * std::abs(rows[3].w);
-    const double scale_x = glm::length(glm::dvec3{rows[0]}) * size_px.x;
-    const double scale_y = glm::length(glm::dvec3{rows[1]}) * size_px.y;
-    view.pixel_per_w_ = static_cast<float>(2.0 / std::min(scale_x, scale_y));
-    if (view.orthographic_) {
-        return view;
-    }
-
-    const glm::dvec4 zero = common_zero(rows[0], rows[1], rows[3]);
-    const glm::dvec3 eye = glm::dvec3{zero} / zero.w;
-    view.eye_ = glm::vec3{eye};
-
-    const bool reversed = convention.order == DepthOrder::near_is_large;
-    const double z_low = convention.range == DepthRange::minus_one_to_one ? -1.0 : 0.0;
-    const double z_near = reversed ? 1.0 : z_low;
-    const glm::dmat4 world_from_clip = glm::inverse(clip);
-    double reach = 0.0;
-    for (const double x : {-1.0, 1.0}) {
-        for (const double y : {-1.0, 1.0}) {
-            const glm::dvec4 corner = world_from_clip * glm::dvec4{x, y, z_near, 1.0};
-            reach = std::max(reach, glm::length(glm::dvec3{corner} / corner.w - eye));
-        }
-    }
-    if (std::isfinite(reach)) {
+    if (!view.orthographic_) {
+        const glm::dvec4 zero = common_zero(rows[0], rows[1], rows[3]);
+        const glm::dvec3 eye = glm::dvec3{zero} / zero.w;
+        view.eye_ = glm::vec3{eye};
+        const bool reversed = convention.order == DepthOrder::near_is_large;
+        const double z_low = convention.range == DepthRange::minus_one_to_one ? -1.0 : 0.0;
+        const double reach = corner_reach(glm::inverse(clip), eye, reversed ? 1.0 : z_low);
         // Rounded up: the eye was rounded to float, and so are box corners.
         const double slop = 4.0 * 0x1p-23 * glm::length(eye);
         view.near_reach_ = static_cast<float>(reach * (1.0 + 1e-5) + slop);
+        if (!std::isfinite(glm::dot(view.eye_, view.eye_))) {
+            view.eye_ = glm::vec3{0.0f};
+            return view; // the eye is nowhere
+        }
     }
+    view.frustum_ = Frustum::from_clip(clip_from_world, convention);
+    view.degenerate_ = false;
     return view;
 }
 
 float View::distance_key(const Aabb& box) const
 {
     if (!box.is_bounded()) {
-        return -Aabb::kInfinity;
+        return box.is_empty() ? Aabb::kInfinity : -Aabb::kInfinity;
     }
     if (!orthographic_) {
         return distance_squared(box, eye_);
@@ -114,14 +142,15 @@ bool View::touches_near(const Aabb& box) const
     const glm::vec4& plane = frustum_.plane(Frustum::near);
     const glm::vec3 normal{plane};
     const glm::vec3 center = box.center();
-    const float nearest =
-        glm::dot(normal, center) + plane.w - 0.5f * glm::dot(glm::abs(normal), box.extent());
-    const float slop =
-        4.0f * 0x1p-23f * (glm::dot(glm::abs(normal), glm::abs(center)) + std::abs(plane.w));
+    const float reach = 0.5f * glm::dot(glm::abs(normal), box.extent());
+    const float nearest = glm::dot(normal, center) + plane.w - reach;
+    const float slop = 4.0f * 0x1p-23f *
+                       (glm::dot(glm::abs(normal), glm::abs(center)) + std::abs(plane.w) + reach);
     if (nearest > slop && normal != glm::vec3{0.0f}) {
         return false; // wholly beyond the near plane
     }
-    return orthographic_ || distance_squared(box, eye_) <= near_reach_ * near_reach_;
+    // Negated, so that a NaN from overflow counts as touching.
+    return orthographic_ || !(distance_squared(box, eye_) > near_reach_ * near_reach_);
 }
 
 Aabb View::inflated_for_test(const Aabb& box) const
@@ -129,6 +158,7 @@ Aabb View::inflated_for_test(const Aabb& box) const
     if (!box.is_bounded()) {
         return box;
     }
+    const float pixels = degenerate_ ? 0.0f : kInflatePixels * pixel_per_w_;
     const glm::vec4 row_w{clip_from_world_[0][3], clip_from_world_[1][3], clip_from_world_[2][3],
                           clip_from_world_[3][3]};
     const glm::vec3 half = 0.5f * box.extent();
@@ -137,7 +167,7 @@ Aabb View::inflated_for_test(const Aabb& box) const
         glm::dot(toward_w, box.center()) + row_w.w + glm::dot(glm::abs(toward_w), half);
     const glm::vec3 magnitude = glm::max(glm::abs(box.min), glm::abs(box.max));
     const float coordinate = std::max({magnitude.x, magnitude.y, magnitude.z, glm::length(eye_)});
-    const float margin = kInflatePixels * pixel_per_w_ * std::max(largest_w, 0.0f) +
+    const float margin = (pixels > 0.0f ? pixels * std::max(largest_w, 0.0f) : 0.0f) +
                          kInflateDiagonal * glm::length(box.extent()) + kInflateUlps * coordinate;
     return inflated(box, margin);
 }

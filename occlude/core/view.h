@@ -31,17 +31,23 @@ public:
 
     /// A key that orders boxes near to far: for perspective the squared distance from the eye to
     /// the nearest point of the box, for orthographic the distance of its nearest corner along the
-    /// view direction. Unbounded boxes come first.
+    /// view direction. Unbounded boxes come first, empty ones last.
     float distance_key(const Aabb& box) const;
 
-    /// True if the near rectangle can touch the box, or the box is not bounded: then it must not be
-    /// tested, because its front faces may be clipped away, and counts as visible (rule R1). Errs
-    /// toward true: a box within the distance of the near rectangle's corners counts as touching.
+    /// True if the near rectangle can touch the box, or the box is not bounded, or nothing is known
+    /// of the view: then it must not be tested, because its front faces may be clipped away, and
+    /// counts as visible (rule R1). `box` is the box as it is handed to the test: ask this of what
+    /// inflated_for_test returns. Errs toward true: a box that reaches before the near plane and
+    /// within the distance of the near rectangle's corners from the eye counts as touching.
+    ///
+    /// False does not mean that the whole box is before the eye: a wide floor under the eye may
+    /// reach behind it without touching the near rectangle. Rasterisers clip it.
     bool touches_near(const Aabb& box) const;
 
-    /// The box as it must be handed to a test: grown so that its rasterisation covers a superset of
-    /// the samples of anything in it, although the two come through different vertex streams (rule
-    /// R2), with a minimum thickness for flat boxes. Always contains `box`.
+    /// The box as it must be handed to a test: grown by at least 1/256 pixel in every direction on
+    /// the screen, so that its rasterisation covers a superset of the samples of anything in it,
+    /// although the two come through different vertex streams (rule R2), and a flat box has some
+    /// thickness. Always contains `box`; boxes that are not bounded stay what they are.
     Aabb inflated_for_test(const Aabb& box) const;
 
 private:
@@ -52,7 +58,7 @@ private:
     glm::vec3 eye_{0.0f};
     float near_reach_ =
         Aabb::kInfinity;       ///< from the eye to the farthest corner of the near rectangle
-    float pixel_per_w_ = 0.0f; ///< world size of one pixel at clip w = 1
+    float pixel_per_w_ = 0.0f; ///< world size of the largest pixel at clip w = 1
     bool orthographic_ = false;
     bool degenerate_ = true;
 };

@@ -33,8 +33,9 @@ public:
     void record(uint32_t frames_hidden, bool kept);
 
     /// The measured probability. Values that were measured little lean on the next lower one (the
-    /// paper's piecewise constant propagation to higher i); without any measurement it is the analytic
-    /// fit. Never above kMostCertain: no history makes a node certain. O(log frames_hidden).
+    /// paper's piecewise constant propagation to higher i); without any measurement it is the
+    /// analytic fit. Never above kMostCertain: no history makes a node certain. O(log
+    /// frames_hidden).
     double keep_probability(uint32_t frames_hidden) const;
 
     void clear() { *this = KeepTable{}; }
@@ -42,12 +43,13 @@ public:
     static constexpr double kMostCertain = 0.9999; ///< groups of at most 101 nodes
 
 private:
-    // Persistences share bins: one each below 8, then four to the octave. All hidden nodes of a quiet
-    // view grow old together; a bin for each age would never have been measured when it is needed.
+    // Persistences share bins: one each below 8, then four to the octave. All hidden nodes of a
+    // quiet view grow old together; a bin for each age would never have been measured when it is
+    // needed.
     static constexpr uint32_t kBins = 8 + 4 * 29;
     static uint32_t bin_of(uint32_t frames_hidden);
 
-    static constexpr double kPriorTests = 16.0;   ///< what the next lower value weighs, in tests
+    static constexpr double kPriorTests = 16.0;  ///< what the next lower value weighs, in tests
     static constexpr uint32_t kMostTests = 4096; ///< then both counts are halved: old news fade
 
     struct Bin {

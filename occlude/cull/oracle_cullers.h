@@ -31,7 +31,7 @@ public:
 
 private:
     void cull_frame(CullFrame& frame) override;
-    void reset_state() override { pass_.reset(); }
+    void reset_state() override {} // what was recorded is good until the next record()
 
     StopAndWait pass_;
 };
@@ -45,7 +45,7 @@ public:
 
 private:
     void cull_frame(CullFrame& frame) override;
-    void reset_state() override { visible_.clear(); }
+    void reset_state() override {} // what was recorded is good until the next record()
 
     void index_items();
 

@@ -19,8 +19,8 @@
 //   C11           more tests than caps.max_outstanding would be unspent
 //   C12           the device gives an unspent ticket of an earlier frame to another test
 //   passes        shade_equal without depth_only before it, or depth_only that nobody shaded
-//   precondition  a verb's own: span sizes, rectangles inside the target, valid items, depth in
-//   0..1
+//   precondition  a verb's own: sizes of spans, rectangles inside the target, valid items; or depth
+//                 read outside of 0..1
 #pragma once
 
 #include <occlude/core/query_device.h>

@@ -18,8 +18,8 @@ using test::look_ahead;
 using test::row_tree;
 using Multiqueries = ChcPlusPlusOptions::Multiqueries;
 
-// Tree of row_tree(2): 0 (1 (3 4) 2 (5 6)); only the nearest leaf, 3, is visible. No tight bounds, so
-// that traces are short.
+// Tree of row_tree(2): 0 (1 (3 4) 2 (5 6)); only the nearest leaf, 3, is visible. No tight bounds,
+// so that traces are short.
 DeviceScript nearest_leaf_visible(Latency latency = {})
 {
     return {.boxes = visible_subjects({NodeId{0u}, NodeId{1u}, NodeId{3u}}),
@@ -45,9 +45,9 @@ TEST(ChcPlusPlus, QueriesAreBatchedAndTheVQueueFillsTheWait)
               "draw 0\n");
     culler.cull(look_ahead(), device);
     EXPECT_EQ(device.frame_text(1),
-              "draw 0\n"                              // the render queue, before the tests
+              "draw 0\n"                               // the render queue, before the tests
               "query [4 2]\nflush\npoll 4 2 pending\n" // a multiquery over the hidden boundary
-              "query [3]\nflush\n"                    // the v-queue fills the wait
+              "query [3]\nflush\n"                     // the v-queue fills the wait
               "poll 4 2 pending\nwait 4 2 -> 0\n"
               "poll 3 pending\nwait 3 -> 1000\n"); // read before the frame ends
 }
@@ -59,8 +59,9 @@ TEST(ChcPlusPlus, WithoutLatencyTheVQueueComesLastInOneBatch)
     ChcPlusPlus culler{tree, {.assume_visible_frames = 1, .tight_bounds_depth = 0}};
     culler.cull(look_ahead(), device);
     const FrameReport report = culler.cull(look_ahead(), device);
-    EXPECT_EQ(device.frame_text(1), "draw 0 1 2 3\nquery [3] [4] [5] [6]\nflush\n"
-                                    "poll 3 -> 1000\npoll 4 -> 1000\npoll 5 -> 1000\npoll 6 -> 1000\n");
+    EXPECT_EQ(device.frame_text(1),
+              "draw 0 1 2 3\nquery [3] [4] [5] [6]\nflush\n"
+              "poll 3 -> 1000\npoll 4 -> 1000\npoll 5 -> 1000\npoll 6 -> 1000\n");
     EXPECT_EQ(report.counters.state_changes, 1u);
 }
 
@@ -68,8 +69,7 @@ TEST(ChcPlusPlus, AFailedMultiqueryIsFollowedByOneTestPerNodeAtOnce)
 {
     const Hierarchy tree = row_tree(2);
     ScriptedDevice device(nearest_leaf_visible());
-    ChcPlusPlus culler{tree,
-                       {.tight_bounds_depth = 0, .multiqueries = Multiqueries::analytic}};
+    ChcPlusPlus culler{tree, {.tight_bounds_depth = 0, .multiqueries = Multiqueries::analytic}};
     for (int frame = 0; frame < 3; ++frame) {
         culler.cull(look_ahead(), device);
     }
@@ -137,7 +137,8 @@ TEST(ChcPlusPlus, PendingAnswersDoNotStopTheTraversalOfVisibleNodes)
 
 TEST(ChcPlusPlus, NoAnswerIsLeftForTheNextFrame)
 {
-    // Reading v-queue results a frame late would classify the visible tree as hidden: a query storm.
+    // Reading v-queue results a frame late would classify the visible tree as hidden: a query
+    // storm.
     const Hierarchy tree = row_tree(4);
     ScriptedDevice device({.latency = [](uint64_t) { return Latency::never(); }});
     ChcPlusPlus culler{tree, {.assume_visible_frames = 1}};
@@ -197,7 +198,8 @@ TEST(ChcPlusPlus, WithoutJitterAllAreRetestedTogether)
 
 TEST(ChcPlusPlus, LongHiddenNodesAreGroupedBeforeRecentOnes)
 {
-    // Sorting by ascending probability, as a known port does, would start groups with the worst nodes.
+    // Sorting by ascending probability, as a known port does, would start groups with the worst
+    // nodes.
     const Hierarchy tree = row_tree(4); // leaves 15 .. 30
     std::vector<NodeId> visible{NodeId{0u}};
     for (uint32_t node = 1; node < 15; ++node) {
@@ -237,10 +239,8 @@ TEST(ChcPlusPlus, MeasuredProbabilitiesGiveLargerGroupsThanElevenNodes)
             visible.push_back(NodeId{node});
         }
         ScriptedDevice device({.boxes = visible_subjects(visible)});
-        ChcPlusPlus culler{tree,
-                           {.batch_size = 1000,
-                            .tight_bounds_depth = 0,
-                            .multiqueries = multiqueries}};
+        ChcPlusPlus culler{
+            tree, {.batch_size = 1000, .tight_bounds_depth = 0, .multiqueries = multiqueries}};
         for (int frame = 0; frame < 40; ++frame) {
             device.clear_trace();
             culler.cull(look_ahead(), device);
@@ -330,10 +330,11 @@ TEST(ChcPlusPlus, ADepthOnlyPassIsFollowedByOneShadingBatch)
 
 TEST(ChcPlusPlus, ABoxVisibleWithHiddenChildrenOscillatesButIsAskedEveryFrame)
 {
-    // Box 1 is seen, its children are not (they do not fill it): opened in one frame, found hidden, its
-    // own box asked in the next, and so on. Efficiency suffers, never the image.
+    // Box 1 is seen, its children are not (they do not fill it): opened in one frame, found hidden,
+    // its own box asked in the next, and so on. Efficiency suffers, never the image.
     const Hierarchy tree = row_tree(2);
-    ScriptedDevice device({.boxes = visible_subjects({NodeId{0u}, NodeId{1u}, NodeId{2u}, NodeId{5u}})});
+    ScriptedDevice device(
+        {.boxes = visible_subjects({NodeId{0u}, NodeId{1u}, NodeId{2u}, NodeId{5u}})});
     ChcPlusPlus culler{tree, {.assume_visible_frames = 1, .tight_bounds_depth = 0}};
     for (int frame = 0; frame < 8; ++frame) {
         culler.cull(look_ahead(), device);

@@ -42,8 +42,8 @@ TEST(Chc, LaterFramesTestOnlyVisibleLeavesAndTheHiddenBoundary)
     Chc culler{tree};
     culler.cull(look_ahead(), device);
     culler.cull(look_ahead(), device);
-    // Nodes 0 and 1 are visible inner nodes: opened untested. 3 is drawn at once, its test is for later;
-    // 4 and 2 are the hidden boundary; 5 and 6 below it are not asked.
+    // Nodes 0 and 1 are visible inner nodes: opened untested. 3 is drawn at once, its test is for
+    // later; 4 and 2 are the hidden boundary; 5 and 6 below it are not asked.
     EXPECT_EQ(device.frame_text(1), "query [3]\nflush\ndraw 0\npoll 3 -> 1000\n"
                                     "query [4]\nflush\npoll 4 -> 0\n"
                                     "query [2]\nflush\nwait 2 -> 0\n");
@@ -97,8 +97,7 @@ TEST(Chc, NodesOutsideTheFrustumAreNotTraversed)
     const Hierarchy tree = row_tree(2);
     ScriptedDevice device;
     Chc culler{tree};
-    const FrameReport report =
-        culler.cull(look({0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}), device);
+    const FrameReport report = culler.cull(look({0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}), device);
     EXPECT_EQ(report.counters.nodes_visited, 1u);
     EXPECT_EQ(device.frame_text(0), "");
 }

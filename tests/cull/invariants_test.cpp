@@ -14,6 +14,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
 namespace occlude {
@@ -103,7 +104,8 @@ TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
     late.latency = [](uint64_t test) { return random_latency(4, test); };
     ScriptedDevice scripted(late);
     std::vector<std::string> violations;
-    ValidatingDevice device(scripted, {.report = [&](std::string_view rule, std::string_view text) {
+    ValidatingDevice device(scripted,
+                            {.on_violation = [&](std::string_view rule, std::string_view text) {
                                 violations.push_back(std::string{rule} + " " + std::string{text});
                             }});
     const auto culler = make();
@@ -190,15 +192,12 @@ TEST_P(Invariants, TheReportAgreesWithACountFromOutside)
     for (size_t i = 0; i < triangles.size(); ++i) {
         triangles[tree_.items()[i].value] = tree_.item_bounds()[i].triangles;
     }
-    CountingDevice device(scripted, triangles);
+    CountingDevice device(scripted, {.triangles_by_item = triangles});
     const auto culler = make();
     for (frame_ = 0; frame_ < kFrames; ++frame_) {
         FrameCounters told = culler->cull(camera(frame_), device).counters;
-        const FrameCounters& seen = device.frame_counters();
-        // What only the algorithm can know.
-        told.nodes_visited = seen.nodes_visited;
-        told.multiqueries = seen.multiqueries;
-        told.multiqueries_failed = seen.multiqueries_failed;
+        const FrameCounters& seen = device.frame();
+        told.nodes_visited = 0; // only the algorithm can know
         for_each_counter(told, [&](const char* name, uint64_t value) {
             for_each_counter(seen, [&](const char* other, uint64_t expected) {
                 if (std::string_view{name} == other) {
@@ -258,18 +257,18 @@ TEST_P(Invariants, OddHierarchiesAreHarmless)
     odd[5].box = Aabb::empty();
     odd[6].box.max = odd[6].box.min; // a point
     odd[7].box.max.y = odd[7].box.min.y;
-    for (const std::vector<ItemBounds>& items : {odd, std::vector<ItemBounds>{odd[4]},
-                                                 std::vector<ItemBounds>{odd[5]},
-                                                 std::vector<ItemBounds>{}}) {
+    for (const std::vector<ItemBounds>& items :
+         {odd, std::vector<ItemBounds>{odd[4]}, std::vector<ItemBounds>{odd[5]},
+          std::vector<ItemBounds>{}}) {
         const Hierarchy tree = build_bvh(items, {.leaf_triangles = 300});
         DeviceScript none_visible{.boxes = visible_subjects({})};
         none_visible.caps.draw_and_query = true;
         ScriptedDevice scripted(none_visible);
         std::vector<std::string> violations;
-        ValidatingDevice device(scripted,
-                                {.report = [&](std::string_view rule, std::string_view text) {
-                                    violations.push_back(std::string{rule} + " " + std::string{text});
-                                }});
+        ValidatingDevice device(
+            scripted, {.on_violation = [&](std::string_view rule, std::string_view text) {
+                violations.push_back(std::string{rule} + " " + std::string{text});
+            }});
         const auto culler =
             std::move(make_culler(GetParam().algorithm, tree, GetParam().options).value());
         for (uint64_t frame = 0; frame < 3; ++frame) {

@@ -33,8 +33,8 @@ TEST(StopAndWait, NodesThatTheNearPlaneMayTouchAreOpenedWithoutATest)
     ScriptedDevice device;
     StopAndWait culler{tree};
     // The eye stands inside the nearer leaf's box.
-    const FrameReport report = culler.cull(
-        test::look({0.0f, 0.0f, -10.0f}, {0.0f, 0.0f, -20.0f}), device);
+    const FrameReport report =
+        culler.cull(test::look({0.0f, 0.0f, -10.0f}, {0.0f, 0.0f, -20.0f}), device);
     EXPECT_EQ(device.frame_text(0), "draw 0\nquery [2]\nflush\nwait 2 -> 1000\ndraw 1\n");
     EXPECT_EQ(report.counters.queries, 1u);
 }
@@ -59,8 +59,7 @@ TEST(StopAndWait, CountsWhatItSaidToTheDevice)
 TEST(StopAndWait, ALostAnswerIsVisibleAndReported)
 {
     const Hierarchy tree = row_tree(1);
-    ScriptedDevice device({.boxes = visible_subjects({}),
-                           .latency = [](uint64_t test) {
+    ScriptedDevice device({.boxes = visible_subjects({}), .latency = [](uint64_t test) {
                                return test == 0 ? Latency::lost() : Latency{};
                            }});
     StopAndWait culler{tree};

@@ -1,9 +1,9 @@
 // The least a user of the installed library does: two objects, a hierarchy, a view.
 #include <occlude/core/view.h>
 #include <occlude/hierarchy/bvh_builder.h>
-#include <occlude/scene/camera_path.h>
 #include <occlude/scene/scene.h>
 
+#include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>
 
 #include <array>
@@ -18,8 +18,9 @@ int main()
     scene.add(glm::translate(glm::mat4{1.0f}, {0.0f, 0.0f, 50.0f}), item);
 
     const occlude::Hierarchy hierarchy = occlude::build_bvh(scene.item_bounds());
-    const occlude::Camera camera{.eye = {0.0f, 0.0f, 10.0f}, .near = 0.1f, .far = 100.0f};
-    const occlude::View view = occlude::make_view(camera, {640, 480});
+    const glm::mat4 clip_from_world = glm::perspective(1.0f, 4.0f / 3.0f, 0.1f, 100.0f) *
+                                      glm::translate(glm::mat4{1.0f}, {0.0f, 0.0f, -10.0f});
+    const occlude::View view = occlude::View::from_clip(clip_from_world, {640, 480});
 
     int seen = 0;
     for (const occlude::ItemBounds& bounds : scene.item_bounds()) {

@@ -96,6 +96,10 @@ class CheckIncludes(unittest.TestCase):
         text = "#include <tbb/task_group.h>\n"
         self.assert_one("occlude/hierarchy/bad.h", text, "GLM and std only")
 
+    def test_public_headers_reach_no_third_party_type_through_private_ones(self):
+        text = "#include <occlude/backends/gl/detail/api.h>\n"
+        self.assert_one("occlude/backends/gl/bad.h", text, "must not reach <epoxy/gl.h>")
+
     def test_quoted_includes_are_refused(self):
         self.assert_one("occlude/core/bad.h", '#include "view.h"\n', "write it as <occlude/")
 

@@ -18,17 +18,21 @@ namespace occlude::test {
 inline View look(const glm::vec3& eye, const glm::vec3& target, glm::ivec2 size = {64, 64})
 {
     const glm::mat4 clip_from_eye = glm::perspectiveRH_NO(
-        glm::radians(90.0f), static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f, 1000.0f);
+        glm::radians(90.0f), static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f,
+        1000.0f);
     return View::from_clip(clip_from_eye * glm::lookAtRH(eye, target, glm::vec3{0.0f, 1.0f, 0.0f}),
                            size);
 }
 
 /// From the origin along -z.
-inline View look_ahead() { return look({0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}); }
+inline View look_ahead()
+{
+    return look({0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f});
+}
 
-/// A complete binary tree over 2^depth leaves of one item each, which stand one behind the other along
-/// -z: leaf k is a box of size 2 around (0, 0, -10 - 10 k), item k, 100 triangles. Nodes are numbered
-/// level by level, so that depth 2 gives
+/// A complete binary tree over 2^depth leaves of one item each, which stand one behind the other
+/// along -z: leaf k is a box of size 2 around (0, 0, -10 - 10 k), item k, 100 triangles. Nodes are
+/// numbered level by level, so that depth 2 gives
 ///
 ///            0
 ///        1       2

@@ -17,8 +17,8 @@ inline bool item_visible(uint64_t seed, uint64_t frame, ItemId item, float share
     return uniform01(hash64(seed, item.value, (frame + phase) / 10)) < share;
 }
 
-/// Answers as if exactly the items chosen by item_visible() were seen, 10 samples each; `frame` is read
-/// when a test is issued, so that the test may advance it.
+/// Answers as if exactly the items chosen by item_visible() were seen, 10 samples each; `frame` is
+/// read when a test is issued, so that the test may advance it.
 inline BoxScript consistent_visibility(const Hierarchy& hierarchy, uint64_t seed,
                                        const uint64_t& frame, float share)
 {

@@ -102,7 +102,7 @@ bool CpuDevice::outside_of_view(const Aabb& box, const glm::dmat4& clip_from_mes
     if (!box.is_bounded()) {
         return false;
     }
-    unsigned shared = 0xff & ~unsigned{cpu::beyond_guard | cpu::not_finite};
+    unsigned shared = cpu::kBeyondView;
     for (const glm::dvec4& corner : clip_corners(clip_from_mesh, box)) {
         shared &= transform_.code(corner);
     }

@@ -39,8 +39,7 @@ struct ScreenVertex {
     double depth = 0.0;
 };
 
-/// Which sides of the view volume a clip position is beyond. If all corners of something convex
-/// share a bit, it is not seen.
+/// Which sides of the view volume a clip position is beyond.
 enum ClipCode : uint8_t {
     beyond_left = 1,
     beyond_right = 2,
@@ -51,6 +50,9 @@ enum ClipCode : uint8_t {
     beyond_guard = 64, ///< too far outside of the screen for the integers of ScreenVertex
     not_finite = 128,  ///< nothing with such a corner is drawn
 };
+/// If all corners of something convex share one of these bits, it is not seen.
+constexpr uint8_t kBeyondView =
+    beyond_left | beyond_right | beyond_bottom | beyond_top | beyond_near | beyond_far;
 /// A triangle with one of these bits is clipped; without them its snapped corners are used as they
 /// are.
 constexpr uint8_t kNeedsClipping = beyond_near | beyond_far | beyond_guard;
@@ -194,7 +196,7 @@ void draw_triangle(const ScreenTransform& transform, const Vertex& a, const Vert
                    const Vertex& c, Fragment&& fragment)
 {
     const uint8_t any = a.code | b.code | c.code;
-    if ((a.code & b.code & c.code) != 0 || (any & not_finite) != 0) {
+    if ((a.code & b.code & c.code & kBeyondView) != 0 || (any & not_finite) != 0) {
         return;
     }
     if ((any & kNeedsClipping) == 0) {

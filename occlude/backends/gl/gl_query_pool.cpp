@@ -1,0 +1,126 @@
+#include <occlude/backends/gl/gl_query_pool.h>
+
+namespace occlude::gl {
+
+namespace {
+
+bool available(const GlQuery& query)
+{
+    GLuint there = GL_FALSE;
+    glGetQueryObjectuiv(query.name(), GL_QUERY_RESULT_AVAILABLE, &there);
+    return there != GL_FALSE;
+}
+
+} // namespace
+
+void GlQueryPool::begin_frame()
+{
+    ++frame_;
+    if (outstanding_ < capacity_) {
+        return;
+    }
+    for (Slot& slot : slots_) {
+        if (slot.state != SlotState::free && frame_ - slot.frame > kAbandonedAfter &&
+            (slot.state == SlotState::answered || available(slot.query))) {
+            spend(slot);
+        }
+    }
+}
+
+GlQueryPool::Slot* GlQueryPool::find(Ticket ticket)
+{
+    if (!ticket.valid() || ticket.index >= slots_.size()) {
+        return nullptr;
+    }
+    Slot& slot = slots_[ticket.index];
+    const bool own = slot.generation == ticket.generation && slot.state != SlotState::free;
+    return own ? &slot : nullptr;
+}
+
+Ticket GlQueryPool::ticket_of(const Slot& slot) const
+{
+    return Ticket{static_cast<uint32_t>(&slot - slots_.data()), slot.generation};
+}
+
+// A slot with a new generation, or null if all are outstanding.
+GlQueryPool::Slot* GlQueryPool::take()
+{
+    Slot* slot = nullptr;
+    if (outstanding_ < slots_.size()) {
+        while (slots_[next_].state != SlotState::free) {
+            next_ = (next_ + 1) % static_cast<uint32_t>(slots_.size());
+        }
+        slot = &slots_[next_];
+    } else if (slots_.size() < capacity_) {
+        next_ = static_cast<uint32_t>(slots_.size());
+        slot = &slots_.emplace_back();
+        slot->query = GlQuery::make();
+    } else {
+        return nullptr;
+    }
+    next_ = (next_ + 1) % static_cast<uint32_t>(slots_.size());
+    ++outstanding_;
+    slot->frame = frame_;
+    slot->generation = slot->generation + 1 == 0 ? 1 : slot->generation + 1;
+    return slot;
+}
+
+Ticket GlQueryPool::begin()
+{
+    Slot* slot = take();
+    if (slot == nullptr) {
+        return Ticket{};
+    }
+    slot->state = SlotState::issued;
+    glBeginQuery(GL_SAMPLES_PASSED, slot->query.name());
+    return ticket_of(*slot);
+}
+
+void GlQueryPool::end()
+{
+    glEndQuery(GL_SAMPLES_PASSED);
+}
+
+Ticket GlQueryPool::answered(uint64_t samples)
+{
+    Slot* slot = take();
+    if (slot == nullptr) {
+        return Ticket{};
+    }
+    slot->state = SlotState::answered;
+    slot->samples = samples;
+    return ticket_of(*slot);
+}
+
+// Reads the result, which blocks if it is not there yet.
+Answer GlQueryPool::spend(Slot& slot)
+{
+    uint64_t samples = slot.samples;
+    if (slot.state == SlotState::issued) {
+        samples = Answer::kUnknownSamples; // stays so if the driver fails
+        glGetQueryObjectui64v(slot.query.name(), GL_QUERY_RESULT, &samples);
+    }
+    slot.state = SlotState::free;
+    --outstanding_;
+    return samples == Answer::kUnknownSamples ? Answer::lost() : Answer::ready(samples);
+}
+
+Answer GlQueryPool::poll(Ticket ticket)
+{
+    Slot* slot = find(ticket);
+    if (slot == nullptr) {
+        return Answer::lost();
+    }
+    if (slot->state == SlotState::issued && !available(slot->query)) {
+        return Answer::pending();
+    }
+    return spend(*slot);
+}
+
+Answer GlQueryPool::wait(Ticket ticket)
+{
+    Slot* slot = find(ticket);
+    return slot == nullptr ? Answer::lost() : spend(*slot);
+}
+
+} // namespace occlude::gl

@@ -1,0 +1,455 @@
+#include "backends/cpu_test_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace occlude {
+namespace {
+
+using namespace test;
+
+// The rows of the image, top row first, '#' where something was drawn.
+std::string picture(const CpuDevice& device)
+{
+    const glm::ivec2 size = device.size_px();
+    std::string rows;
+    for (int y = size.y - 1; y >= 0; --y) {
+        for (int x = 0; x < size.x; ++x) {
+            rows += device.depth()[static_cast<size_t>(y * size.x + x)] < 1.0f ? '#' : '.';
+        }
+        rows += '\n';
+    }
+    return rows;
+}
+
+// ------------------------------------------------------------------------------------ coverage
+
+TEST(CpuDeviceDraw, CoversExactlyThePixelsWhoseCentresAreInside)
+{
+    TestScene scene;
+    scene.add_triangle({1.0f, 1.0f, 0.5f}, {6.9f, 1.0f, 0.5f}, {1.0f, 6.9f, 0.5f});
+    CpuDevice device(scene);
+    draw_frame(device, pixel_view({8, 8}), scene.all());
+    // Centres (x + .5, y + .5) with x + y + 1 < 7.9.
+    EXPECT_EQ(picture(device), "........\n"
+                               "........\n"
+                               ".#......\n"
+                               ".##.....\n"
+                               ".###....\n"
+                               ".####...\n"
+                               ".#####..\n"
+                               "........\n");
+}
+
+TEST(CpuDeviceDraw, EdgesThroughCentresBelongToTheLeftAndTheTopOfTheTriangle)
+{
+    TestScene scene;
+    scene.add_rectangle({1.5f, 1.5f}, {4.5f, 3.5f}, 0.5f);
+    CpuDevice device(scene);
+    draw_frame(device, pixel_view({8, 8}), scene.all());
+    // Left column and top row of centres are in, right column and bottom row are out.
+    EXPECT_EQ(picture(device), "........\n"
+                               "........\n"
+                               "........\n"
+                               "........\n"
+                               ".###....\n"
+                               ".###....\n"
+                               "........\n"
+                               "........\n");
+}
+
+TEST(CpuDeviceDraw, DrawsBothSides)
+{
+    TestScene scene;
+    scene.add_triangle({1.0f, 1.0f, 0.5f}, {6.0f, 1.0f, 0.5f}, {1.0f, 6.0f, 0.5f});
+    CpuDevice device(scene);
+    draw_frame(device, pixel_view({8, 8}), scene.all());
+    const std::string front = picture(device);
+    std::swap(scene.meshes[0].indices[1], scene.meshes[0].indices[2]);
+    draw_frame(device, pixel_view({8, 8}), scene.all());
+    EXPECT_EQ(picture(device), front);
+    EXPECT_GT(covered(device), 0u);
+}
+
+TEST(CpuDeviceDraw, FullScreenRectangleCoversWidthTimesHeight)
+{
+    for (const glm::ivec2 size : {glm::ivec2{1, 1}, {64, 32}, {641, 359}, {3, 511}}) {
+        TestScene scene;
+        scene.add(
+            {{{-1, -1, 0.5f}, {1, -1, 0.5f}, {1, 1, 0.5f}, {-1, 1, 0.5f}}, {0, 1, 2, 0, 2, 3}});
+        CpuDevice device(scene);
+        device.begin_frame(View::from_clip(glm::mat4{1.0f}, size));
+        const Answer answer = device.wait(device.draw_and_query(scene.all(), DrawPass::shade));
+        device.end_frame();
+        const auto pixels = static_cast<size_t>(size.x * size.y);
+        EXPECT_EQ(answer.samples, pixels);
+        EXPECT_EQ(covered(device), pixels);
+    }
+}
+
+// Each triangle alone must cover every sample of a fan in turn exactly once in total.
+TEST(CpuDeviceDraw, SamplesOnSharedEdgesAreCoveredByExactlyOneTriangle)
+{
+    Rng rng(11);
+    for (int round = 0; round < 40; ++round) {
+        // A fan around a centre, with snapped corners: many edges pass through sample centres.
+        TestScene scene;
+        std::vector<glm::vec3> corners;
+        const auto half = [](float v) { return std::round(2.0f * v) / 2.0f; };
+        const glm::vec3 centre{half(rng.range(12, 20)), half(rng.range(12, 20)), 0.5f};
+        constexpr int kCorners = 9;
+        for (int i = 0; i < kCorners; ++i) {
+            const float angle = 6.2831853f * static_cast<float>(i) / kCorners;
+            const float radius = rng.range(6.0f, 11.0f);
+            corners.push_back({half(centre.x + radius * std::cos(angle)),
+                               half(centre.y + radius * std::sin(angle)), 0.5f});
+        }
+        for (int i = 0; i < kCorners; ++i) {
+            scene.add_triangle(centre, corners[static_cast<size_t>(i)],
+                               corners[static_cast<size_t>((i + 1) % kCorners)]);
+        }
+        CpuDevice device(scene);
+        size_t total = 0;
+        for (const ItemId item : scene.all()) {
+            draw_frame(device, pixel_view({32, 32}), {item});
+            total += covered(device);
+        }
+        draw_frame(device, pixel_view({32, 32}), scene.all());
+        ASSERT_EQ(total, covered(device)) << "round " << round;
+        ASSERT_GT(total, 50u);
+        // No hole around the centre either.
+        const auto middle = static_cast<size_t>(centre.y) * 32 + static_cast<size_t>(centre.x);
+        EXPECT_LT(device.depth()[middle], 1.0f);
+    }
+}
+
+TEST(CpuDeviceDraw, DegenerateAndBrokenTrianglesDrawNothing)
+{
+    TestScene scene;
+    const float nan = std::nanf("");
+    scene.add_triangle({1, 1, 0.5f}, {5, 5, 0.5f}, {3, 3, 0.5f});
+    scene.add_triangle({1, 1, 0.5f}, {5, nan, 0.5f}, {3, 7, 0.5f});
+    scene.add_triangle({1, 1, 0.5f}, {5, Aabb::kInfinity, 0.5f}, {3, 7, 0.5f});
+    scene.add({{{1, 1, 0.5f}, {7, 1, 0.5f}, {1, 7, 0.5f}}, {0, 1, 3}});
+    scene.add({{{1, 1, 0.5f}, {7, 1, 0.5f}, {1, 7, 0.5f}}, {0, 1}});
+    scene.add({});
+    CpuDevice device(scene);
+    std::vector<ItemId> items = scene.all();
+    items.push_back(ItemId{});
+    draw_frame(device, pixel_view({8, 8}), items);
+    EXPECT_EQ(covered(device), 0u);
+}
+
+TEST(CpuDeviceDraw, VerticesFarOutsideOfTheScreenAreClippedWithoutOverflow)
+{
+    TestScene scene;
+    // Half planes: the whole left half of the screen, from triangles of a size beyond the integers.
+    scene.add_triangle({8.0f, -1e12f, 0.5f}, {8.0f, 1e12f, 0.5f}, {-1e12f, 0.0f, 0.5f});
+    CpuDevice device(scene);
+    draw_frame(device, pixel_view({16, 16}), scene.all());
+    EXPECT_EQ(covered(device), 8u * 16u);
+    EXPECT_EQ(device.depth()[7], 0.5f);
+    EXPECT_EQ(device.depth()[8], 1.0f);
+}
+
+TEST(CpuDeviceDraw, MirroredTransformDrawsTheMirrorImage)
+{
+    TestScene scene;
+    // No sample on an edge: there the mirror image may differ.
+    scene.add_triangle({1.0f, 1.125f, 0.25f}, {6.25f, 2.0f, 0.5f}, {2.125f, 7.0f, 0.75f});
+    CpuDevice device(scene);
+    draw_frame(device, pixel_view({8, 8}), scene.all());
+    const std::vector<float> plain(device.depth().begin(), device.depth().end());
+    scene.meshes[0].world_from_mesh =
+        glm::scale(glm::translate(glm::mat4{1.0f}, {8.0f, 0.0f, 0.0f}), {-1.0f, 1.0f, 1.0f});
+    draw_frame(device, pixel_view({8, 8}), scene.all());
+    ASSERT_GT(covered(device), 5u);
+    for (size_t y = 0; y < 8; ++y) {
+        for (size_t x = 0; x < 8; ++x) {
+            EXPECT_FLOAT_EQ(device.depth()[y * 8 + x], plain[y * 8 + 7 - x]);
+        }
+    }
+}
+
+// --------------------------------------------------------------------------------------- depth
+
+TEST(CpuDeviceDraw, DepthIsLinearAcrossTheScreen)
+{
+    TestScene scene;
+    // depth = x / 16 + y / 32
+    scene.add_triangle({0, 0, 0}, {16, 0, 1.0f}, {0, 16, 0.5f});
+    CpuDevice device(scene);
+    draw_frame(device, pixel_view({16, 16}), scene.all());
+    EXPECT_EQ(device.depth()[0], 0.5f / 16 + 0.5f / 32);
+    EXPECT_EQ(device.depth()[3 * 16 + 7], 7.5f / 16 + 3.5f / 32);
+}
+
+TEST(CpuDeviceDraw, DepthIsZeroAtNearAndOneAtFarInEveryConvention)
+{
+    for (const ClipConvention& convention : kConventions) {
+        const View view = perspective_view({0, 0, 0}, {0, 0, -1}, {64, 64}, convention, 1.0f, 9.0f);
+        // Walls that face the camera at distance d have depth f (d - n) / (d (f - n)).
+        for (const float distance : {1.5f, 2.0f, 5.0f, 8.5f}) {
+            TestScene scene;
+            const float r = 20.0f;
+            scene.add(
+                {{{-r, -r, -distance}, {r, -r, -distance}, {r, r, -distance}, {-r, r, -distance}},
+                 {0, 1, 2, 0, 2, 3}});
+            CpuDevice device(scene);
+            draw_frame(device, view, scene.all());
+            const float expected = 9.0f * (distance - 1.0f) / (distance * 8.0f);
+            EXPECT_EQ(covered(device), 64u * 64u);
+            EXPECT_NEAR(device.depth()[64 * 32 + 32], expected, 1e-6f);
+            EXPECT_NEAR(device.depth()[0], expected, 1e-6f);
+        }
+        for (const float distance : {0.5f, 0.999f, 9.001f, 20.0f}) {
+            TestScene scene;
+            const float r = 20.0f;
+            scene.add({{{-r, -r, -distance}, {r, -r, -distance}, {r, r, -distance}}, {0, 1, 2}});
+            CpuDevice device(scene);
+            draw_frame(device, view, scene.all());
+            EXPECT_EQ(covered(device), 0u) << distance;
+        }
+    }
+}
+
+TEST(CpuDeviceDraw, FloorThroughTheEyePlaneIsClippedAtNearAndFar)
+{
+    for (const ClipConvention& convention : kConventions) {
+        const View view =
+            perspective_view({0, 1, 0}, {0, 1, -1}, {64, 64}, convention, 1.0f, 50.0f);
+        TestScene scene;
+        const float r = 1000.0f;
+        scene.add({{{-r, 0, -r}, {r, 0, -r}, {r, 0, r}, {-r, 0, r}}, {0, 1, 2, 0, 2, 3}});
+        CpuDevice device(scene);
+        draw_frame(device, view, scene.all());
+        const double tangent = std::tan(glm::radians(30.0));
+        // The near cut lies on a snap, and depth changes by 0.018 per row.
+        constexpr double kHalfSnapOfSlope = 0.018 / 512.0 + 1e-6;
+        size_t wrong = 0;
+        size_t seen = 0;
+        for (int y = 0; y < 64; ++y) {
+            // The ray of a row below the horizon meets the floor at distance 1 / slope.
+            const double slope = -((y + 0.5) / 32.0 - 1.0) * tangent;
+            const double distance = slope > 0.0 ? 1.0 / slope : 1e9;
+            const bool expect_hit = distance >= 1.0 && distance <= 50.0;
+            const double depth = 50.0 * (distance - 1.0) / (distance * 49.0);
+            for (int x = 0; x < 64; ++x) {
+                const float stored = device.depth()[static_cast<size_t>(y * 64 + x)];
+                const bool right =
+                    expect_hit ? std::abs(stored - depth) < kHalfSnapOfSlope : stored == 1.0f;
+                wrong += right ? 0 : 1;
+                seen += expect_hit ? 1 : 0;
+            }
+        }
+        EXPECT_EQ(wrong, 0u);
+        EXPECT_GT(seen, 1500u);
+    }
+}
+
+TEST(CpuDeviceDraw, FragmentsAtTheFarPlaneFailLessAgainstTheClearedTarget)
+{
+    TestScene scene;
+    scene.add_rectangle({0, 0}, {8, 8}, 1.0f);
+    scene.add_rectangle({0, 0}, {8, 8}, 0.0f);
+    CpuDevice device(scene);
+    draw_frame(device, pixel_view({8, 8}), {ItemId{0u}});
+    EXPECT_EQ(covered(device), 0u);
+    EXPECT_FALSE(device.owner(0).item.valid());
+    draw_frame(device, pixel_view({8, 8}), {ItemId{1u}});
+    EXPECT_EQ(owned_by(device, ItemId{1u}), 64u);
+}
+
+TEST(CpuDeviceDraw, EqualDepthsGoToTheSmallerItemAndTriangleWhateverTheOrder)
+{
+    TestScene scene;
+    scene.add_rectangle({0, 0}, {8, 8}, 0.5f);
+    scene.add_rectangle({0, 0}, {8, 8}, 0.5f);
+    scene.add_rectangle({4, 0}, {8, 8}, 0.25f);
+    // The same triangle twice in one item.
+    scene.add({{{0, 8, 0.5f}, {8, 8, 0.5f}, {0, 16, 0.5f}}, {0, 1, 2, 0, 1, 2}});
+    CpuDevice device(scene);
+    const std::vector<std::vector<ItemId>> orders = {
+        {ItemId{0u}, ItemId{1u}, ItemId{2u}, ItemId{3u}},
+        {ItemId{3u}, ItemId{2u}, ItemId{1u}, ItemId{0u}},
+        {ItemId{1u}, ItemId{2u}, ItemId{0u}, ItemId{3u}},
+    };
+    for (const std::vector<ItemId>& order : orders) {
+        draw_frame(device, pixel_view({8, 16}), order);
+        EXPECT_EQ(owned_by(device, ItemId{0u}), 32u);
+        EXPECT_EQ(owned_by(device, ItemId{1u}), 0u);
+        EXPECT_EQ(owned_by(device, ItemId{2u}), 32u);
+        EXPECT_EQ(device.owner(8 * 8).item, ItemId{3u});
+        EXPECT_EQ(device.owner(8 * 8).triangle, 0u);
+    }
+}
+
+TEST(CpuDeviceDraw, ItemBoxOutsideOfTheViewRejectsTheItemAndOnlyThen)
+{
+    struct BoxedScene : TestScene {
+        CpuItem item(ItemId id) const override
+        {
+            CpuItem result = TestScene::item(id);
+            result.box = box;
+            return result;
+        }
+        Aabb box;
+    };
+    BoxedScene scene;
+    scene.add_rectangle({2, 2}, {4, 4}, 0.5f);
+    CpuDevice device(scene);
+    scene.box = {{2, 2, 0.5f}, {4, 4, 0.5f}};
+    draw_frame(device, pixel_view({8, 8}), scene.all());
+    EXPECT_EQ(covered(device), 4u);
+    scene.box = {{9, 2, 0.5f}, {12, 4, 0.5f}};
+    draw_frame(device, pixel_view({8, 8}), scene.all());
+    EXPECT_EQ(covered(device), 0u);
+    scene.box = {{-1, -1, -1.0f}, {12, 12, 3.0f}};
+    draw_frame(device, pixel_view({8, 8}), scene.all());
+    EXPECT_EQ(covered(device), 4u);
+}
+
+// --------------------------------------------------------------------------- independent truth
+
+struct Hit {
+    uint32_t item = 0xffffffffu;
+    double depth = 1.0;
+};
+
+// The nearest triangle on the ray through a window position, by solving for the ray in double; it
+// shares nothing with the rasteriser.
+Hit brute_force(const TestScene& scene, const View& view, glm::dvec2 pixel)
+{
+    const glm::dmat4 clip_from_world{view.clip_from_world()};
+    const glm::dmat4 world_from_clip = glm::inverse(clip_from_world);
+    const glm::dvec2 ndc = 2.0 * pixel / glm::dvec2{view.size_px()} - 1.0;
+    const bool zero_to_one = view.convention().range == DepthRange::zero_to_one;
+    const bool reversed = view.convention().order == DepthOrder::near_is_large;
+    const auto unproject = [&](double z) {
+        const glm::dvec4 world = world_from_clip * glm::dvec4{ndc, z, 1.0};
+        return glm::dvec3{world} / world.w;
+    };
+    const glm::dvec3 low = unproject(zero_to_one ? 0.0 : -1.0);
+    const glm::dvec3 high = unproject(1.0);
+    const glm::dvec3 origin = reversed ? high : low;
+    const glm::dvec3 direction = (reversed ? low : high) - origin;
+    Hit best;
+    double best_t = 1.0;
+    for (size_t item = 0; item < scene.meshes.size(); ++item) {
+        const TestMesh& mesh = scene.meshes[item];
+        const glm::dmat4 world{mesh.world_from_mesh};
+        for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+            glm::dvec3 p[3];
+            for (size_t k = 0; k < 3; ++k) {
+                const glm::dvec3 local{mesh.positions[mesh.indices[i + k]]};
+                p[k] = glm::dvec3{world * glm::dvec4{local, 1.0}};
+            }
+            // origin + t d = p0 + u e1 + v e2
+            const glm::dmat3 system{-direction, p[1] - p[0], p[2] - p[0]};
+            if (std::abs(glm::determinant(system)) < 1e-14) {
+                continue;
+            }
+            const glm::dvec3 tuv = glm::inverse(system) * (origin - p[0]);
+            if (tuv.x >= 0.0 && tuv.x < best_t && tuv.y >= 0.0 && tuv.z >= 0.0 &&
+                tuv.y + tuv.z <= 1.0) {
+                best_t = tuv.x;
+                const glm::dvec4 clip =
+                    clip_from_world * glm::dvec4{origin + best_t * direction, 1.0};
+                const double z = clip.z / clip.w;
+                const double z01 = zero_to_one ? z : 0.5 * z + 0.5;
+                best = {static_cast<uint32_t>(item), reversed ? 1.0 - z01 : z01};
+            }
+        }
+    }
+    return best;
+}
+
+TEST(CpuDeviceDraw, AgreesWithRayCastingInDouble)
+{
+    // What snapping by half of 1/256 px may change, with room: the ray at the corners around.
+    const glm::dvec2 nudges[] = {
+        {0.004, 0.004}, {-0.004, 0.004}, {0.004, -0.004}, {-0.004, -0.004}};
+    int compared = 0;
+    int ambiguous = 0;
+    int hits = 0;
+    for (uint64_t seed = 1; seed <= 8; ++seed) {
+        Rng rng(seed);
+        const TestScene scene = random_scene(rng, 40);
+        const ClipConvention convention = kConventions[seed % 4];
+        const View view = perspective_view({0, 1, 9}, {0, 0, 0}, {641, 359}, convention);
+        CpuDevice device(scene);
+        draw_frame(device, view, scene.all());
+        for (int i = 0; i < 100; ++i) {
+            const uint32_t x = rng.below(641);
+            const uint32_t y = rng.below(359);
+            const glm::dvec2 centre{x + 0.5, y + 0.5};
+            const Hit truth = brute_force(scene, view, centre);
+            double depth_min = truth.depth;
+            double depth_max = truth.depth;
+            bool same = true;
+            for (const glm::dvec2& nudge : nudges) {
+                const Hit hit = brute_force(scene, view, centre + nudge);
+                same = same && hit.item == truth.item;
+                depth_min = std::min(depth_min, hit.depth);
+                depth_max = std::max(depth_max, hit.depth);
+            }
+            if (!same) {
+                ++ambiguous;
+                continue;
+            }
+            ++compared;
+            hits += truth.item != 0xffffffffu ? 1 : 0;
+            const size_t pixel = size_t{y} * 641 + x;
+            ASSERT_EQ(device.owner(pixel).item.value, truth.item)
+                << "seed " << seed << " pixel " << x << "," << y;
+            ASSERT_GE(device.depth()[pixel], depth_min - 0x1p-22);
+            ASSERT_LE(device.depth()[pixel], depth_max + 0x1p-22);
+        }
+    }
+    EXPECT_LT(ambiguous, 20);
+    EXPECT_GT(hits, compared / 5) << "the scene is not evidence";
+    EXPECT_LT(hits, compared);
+}
+
+// The same on every compiler and in every build type: a golden hash of depths and owners.
+TEST(CpuDeviceDraw, DrawsTheSameBitsEverywhere)
+{
+    // Literals and RNG only: library functions such as tan are allowed to differ.
+    Rng rng(5);
+    TestScene scene;
+    for (int i = 0; i < 60; ++i) {
+        const glm::vec3 centre = random_point(rng, 6.0f);
+        const glm::vec3 b = centre + random_point(rng, 2.0f);
+        const glm::vec3 c = centre + random_point(rng, 2.0f);
+        scene.add({{centre, b, c, b - centre + c}, {0, 1, 2, 1, 2, 3}});
+    }
+    glm::mat4 clip{1.0f};
+    clip[1][1] = 1.75f;
+    clip[2] = {0.0f, 0.0f, -1.0f, -1.0f};
+    clip[3] = {0.0f, 0.0f, 6.5f, 8.0f};
+    const View view = View::from_clip(clip, {321, 179});
+    CpuDevice device(scene);
+    const auto hash = [&device] {
+        uint64_t h = 0;
+        for (size_t pixel = 0; pixel < device.depth().size(); ++pixel) {
+            const auto depth = static_cast<uint64_t>(double{device.depth()[pixel]} * 0x1p40);
+            const CpuDevice::Owner owner = device.owner(pixel);
+            h = hash64(h, depth, owner.item.value, owner.triangle);
+        }
+        return h;
+    };
+    constexpr uint64_t kGolden = 12679376326155875205u;
+    std::vector<ItemId> items = scene.all();
+    draw_frame(device, view, items);
+    EXPECT_GT(covered(device), 5000u);
+    EXPECT_EQ(hash(), kGolden);
+    std::reverse(items.begin(), items.end());
+    draw_frame(device, view, items);
+    EXPECT_EQ(hash(), kGolden) << "drawn in reverse";
+}
+
+} // namespace
+} // namespace occlude

@@ -1,0 +1,304 @@
+// Invariant I6: the image of an exact algorithm equals that of drawing everything in the frustum,
+// pixel by pixel, on the exact CPU device: with teleports, turns, moving items, odd sizes, every
+// option and every clip convention.
+#include <occlude/backends/cpu/cpu_device.h>
+#include <occlude/cull/frustum_culler.h>
+#include <occlude/cull/registry.h>
+#include <occlude/device/delaying_device.h>
+
+#include "support/trees.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace occlude {
+namespace {
+
+/// Boxes of twelve triangles: item i is bounds[i] exactly, or a pyramid in it, which leaves most of
+/// its box empty.
+class BoxScene final : public CpuScene {
+public:
+    explicit BoxScene(std::vector<ItemBounds> items)
+        : bounds(std::move(items))
+    {
+        for (ItemBounds& item : bounds) {
+            item.triangles = 12;
+        }
+        positions_.resize(bounds.size());
+        rebuild();
+    }
+
+    void rebuild()
+    {
+        for (size_t i = 0; i < bounds.size(); ++i) {
+            const Aabb& box = bounds[i].box;
+            auto& corners = positions_[i];
+            corners.clear();
+            for (int c = 0; c < 8; ++c) {
+                glm::vec3 p{(c & 1) != 0 ? box.max.x : box.min.x,
+                            (c & 2) != 0 ? box.max.y : box.min.y,
+                            (c & 4) != 0 ? box.max.z : box.min.z};
+                if (i % 3 == 0 && (c & 2) != 0) {
+                    p = {box.center().x, box.max.y, box.center().z};
+                }
+                corners.push_back(p);
+            }
+        }
+    }
+
+    CpuItem item(ItemId item) const override
+    {
+        static const std::vector<uint32_t> kIndices{0, 1, 2, 2, 1, 3, 4, 6, 5, 5, 6, 7,
+                                                    0, 4, 1, 1, 4, 5, 2, 3, 6, 6, 3, 7,
+                                                    0, 2, 4, 4, 2, 6, 1, 5, 3, 3, 5, 7};
+        return {.positions = positions_[item.value], .indices = kIndices};
+    }
+
+    std::vector<ItemBounds> bounds;
+
+private:
+    std::vector<std::vector<glm::vec3>> positions_;
+};
+
+struct Picture {
+    std::vector<float> depth;
+    std::vector<CpuDevice::Owner> owners;
+
+    bool operator==(const Picture&) const = default;
+};
+
+Picture picture_of(const CpuDevice& device)
+{
+    Picture picture;
+    picture.depth.assign(device.depth().begin(), device.depth().end());
+    for (size_t i = 0; i < picture.depth.size(); ++i) {
+        picture.owners.push_back(device.owner(i));
+    }
+    return picture;
+}
+
+View with_convention(const View& view, ClipConvention convention)
+{
+    glm::mat4 fix{1.0f};
+    const bool reversed = convention.order == DepthOrder::near_is_large;
+    if (convention.range == DepthRange::zero_to_one) {
+        fix[2][2] = reversed ? -0.5f : 0.5f;
+        fix[3][2] = 0.5f;
+    } else if (reversed) {
+        fix[2][2] = -1.0f;
+    }
+    return View::from_clip(fix * view.clip_from_world(), view.size_px(), convention);
+}
+
+// A walk with jumps and 90 degree turns, inside and outside of the boxes.
+View camera(uint64_t frame, glm::ivec2 size)
+{
+    const float t = static_cast<float>(frame);
+    if (frame % 10 == 5) {
+        return test::look({-30.0f, 3.0f, 8.0f}, {30.0f, 0.0f, 0.0f}, size);
+    }
+    if (frame % 10 > 7) {
+        return test::look({1.0f, 0.0f, 20.0f - t}, {60.0f, 0.0f, 20.0f - t}, size);
+    }
+    return test::look({1.0f, 0.5f, 26.0f - 2.0f * t}, {0.4f * t, 0.0f, -60.0f}, size);
+}
+
+struct Setup {
+    std::string algorithm;
+    std::vector<OptionValue> options = {};
+    ClipConvention convention = {};
+    glm::ivec2 size{161, 89};
+    bool moving = false;
+    bool late_answers = false;
+};
+
+// Runs an algorithm beside the reference and expects the same picture in every frame.
+void expect_exact(const Setup& setup)
+{
+    BoxScene scene(test::random_boxes(700, 31, 24.0f, 7.0f));
+    Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    CpuDevice device(scene);
+    CpuDevice reference_device(scene);
+    DelayingDevice late(device, {.seed = 3, .max_polls = 5, .lose_every = 7});
+    QueryDevice& used = setup.late_answers ? static_cast<QueryDevice&>(late) : device;
+    FrustumCuller reference{tree};
+    auto culler = make_culler(setup.algorithm, tree, setup.options);
+    ASSERT_TRUE(culler) << culler.error().message;
+
+    uint64_t drawn = 0;
+    uint64_t in_frustum = 0;
+    for (uint64_t frame = 0; frame < 20; ++frame) {
+        if (setup.moving) {
+            for (size_t i = 0; i < scene.bounds.size(); ++i) {
+                const glm::vec3 step{0.3f * static_cast<float>(i % 3) - 0.3f, 0.0f,
+                                     0.2f * static_cast<float>(i % 5) - 0.4f};
+                scene.bounds[i].box.min += step;
+                scene.bounds[i].box.max += step;
+            }
+            scene.rebuild();
+            tree.refit(scene.bounds);
+        }
+        const View view = with_convention(camera(frame, setup.size), setup.convention);
+        reference.cull(view, reference_device);
+        (*culler)->cull(view, used);
+        ASSERT_EQ(picture_of(device), picture_of(reference_device)) << "frame " << frame;
+        drawn += (*culler)->drawn_items().size();
+        in_frustum += reference.drawn_items().size();
+    }
+    // The scene is evidence: something is hidden, and something is not.
+    EXPECT_LT(drawn, in_frustum * 9 / 10);
+    EXPECT_GT(drawn, in_frustum / 20);
+}
+
+TEST(Exactness, StopAndWait)
+{
+    expect_exact({.algorithm = "stop_and_wait"});
+}
+TEST(Exactness, Chc)
+{
+    expect_exact({.algorithm = "chc"});
+}
+TEST(Exactness, ChcWithGeometryTests)
+{
+    expect_exact({.algorithm = "chc", .options = {{"visible_test", "geometry"}}});
+}
+TEST(Exactness, ChcAssumingVisibility)
+{
+    expect_exact({.algorithm = "chc", .options = {{"assume_visible_frames", "4"}}});
+}
+TEST(Exactness, ChcPlusPlus)
+{
+    expect_exact({.algorithm = "chc_plus_plus"});
+}
+
+TEST(Exactness, ChcPlusPlusWithEachPartSwitched)
+{
+    const std::vector<OptionValue> switches{
+        {"batch_size", "1"},
+        {"v_queue", "false"},
+        {"render_queue", "false"},
+        {"jitter", "false"},
+        {"tight_bounds_depth", "0"},
+        {"virtual_leaves", "false"},
+        {"multiqueries", "analytic"},
+        {"multiqueries", "off"},
+        {"min_render_triangles", "600"},
+        {"depth_only_pass", "true"},
+        {"v_fill", "1"},
+        {"assume_visible_frames", "1"},
+    };
+    for (const OptionValue& option : switches) {
+        SCOPED_TRACE(option.first + "=" + option.second);
+        expect_exact({.algorithm = "chc_plus_plus", .options = {option}});
+    }
+}
+
+TEST(Exactness, InEveryClipConvention)
+{
+    for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
+        for (const DepthOrder order : {DepthOrder::near_is_small, DepthOrder::near_is_large}) {
+            expect_exact({.algorithm = "chc_plus_plus", .convention = {range, order}});
+        }
+    }
+}
+
+TEST(Exactness, AtOtherSizes)
+{
+    expect_exact({.algorithm = "chc_plus_plus", .size = {320, 180}});
+    expect_exact({.algorithm = "stop_and_wait", .size = {67, 211}});
+}
+
+TEST(Exactness, WhileEverythingMoves)
+{
+    expect_exact({.algorithm = "stop_and_wait", .moving = true});
+    expect_exact({.algorithm = "chc", .moving = true});
+    expect_exact({.algorithm = "chc_plus_plus", .moving = true});
+}
+
+TEST(Exactness, WithLateAndLostAnswers)
+{
+    expect_exact({.algorithm = "chc", .late_answers = true});
+    expect_exact({.algorithm = "chc_plus_plus", .late_answers = true});
+}
+
+TEST(Exactness, ARebuiltHierarchyStartsAfresh)
+{
+    BoxScene scene(test::random_boxes(300, 32, 24.0f, 7.0f));
+    Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    CpuDevice device(scene);
+    CpuDevice reference_device(scene);
+    auto culler = make_culler("chc_plus_plus", tree);
+    for (uint64_t frame = 0; frame < 12; ++frame) {
+        if (frame == 6) {
+            tree =
+                build_bvh(scene.bounds, {.leaf_triangles = 60}); // other node ids in the same place
+        }
+        const View view = camera(frame, {161, 89});
+        const FrameReport report = (*culler)->cull(view, device);
+        FrustumCuller reference{tree};
+        reference.cull(view, reference_device);
+        ASSERT_EQ(picture_of(device), picture_of(reference_device)) << "frame " << frame;
+        EXPECT_EQ(report.frame, frame % 6); // counts again from the rebuild
+    }
+}
+
+TEST(Exactness, TheOraclesDrawTheSamePicture)
+{
+    BoxScene scene(test::random_boxes(500, 33, 24.0f, 7.0f));
+    const Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    CpuDevice device(scene);
+    CpuDevice reference_device(scene);
+    FrustumCuller reference{tree};
+    size_t drawn_by_opt = 0;
+    for (const std::string name : {"opt", "ideal"}) {
+        auto culler = make_culler(name, tree);
+        auto& oracle = dynamic_cast<OracleCuller&>(**culler);
+        size_t drawn = 0;
+        for (uint64_t frame = 0; frame < 10; ++frame) {
+            const View view = camera(frame, {161, 89});
+            reference.cull(view, reference_device);
+            const Picture expected = picture_of(reference_device);
+            std::set<ItemId> owners;
+            for (const CpuDevice::Owner& owner : expected.owners) {
+                if (owner.item.valid()) {
+                    owners.insert(owner.item);
+                }
+            }
+            const std::vector<ItemId> list(owners.begin(), owners.end());
+            oracle.record(view, device, list);
+            const FrameReport report = oracle.cull(view, device);
+            ASSERT_EQ(picture_of(device), expected) << name << ", frame " << frame;
+            EXPECT_EQ(report.counters.queries, 0u);
+            if (name == "ideal") {
+                EXPECT_EQ(oracle.drawn_items().size(), list.size());
+            }
+            drawn += oracle.drawn_items().size();
+        }
+        if (name == "opt") {
+            drawn_by_opt = drawn;
+        } else {
+            EXPECT_LT(drawn, drawn_by_opt); // boxes are looser than what they bound
+        }
+    }
+}
+
+TEST(Exactness, OptDrawsWhatStopAndWaitDraws)
+{
+    BoxScene scene(test::random_boxes(500, 34, 24.0f, 7.0f));
+    const Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    CpuDevice device(scene);
+    auto stop_and_wait = make_culler("stop_and_wait", tree);
+    auto opt = make_culler("opt", tree);
+    auto& oracle = dynamic_cast<OracleCuller&>(**opt);
+    for (uint64_t frame = 0; frame < 5; ++frame) {
+        const View view = camera(frame, {161, 89});
+        (*stop_and_wait)->cull(view, device);
+        oracle.record(view, device, {});
+        oracle.cull(view, device);
+        EXPECT_TRUE(std::ranges::equal((*stop_and_wait)->drawn_items(), oracle.drawn_items()));
+    }
+}
+
+} // namespace
+} // namespace occlude

@@ -1,0 +1,105 @@
+#include <occlude/cull/registry.h>
+
+#include "support/trees.h"
+
+#include <occlude/cull/decision_log.h>
+#include <occlude/device/scripted_device.h>
+
+#include <gtest/gtest.h>
+
+namespace occlude {
+namespace {
+
+TEST(Registry, EveryAlgorithmIsMadeByItsName)
+{
+    const Hierarchy tree = test::row_tree(1);
+    for (const AlgorithmInfo& info : algorithms()) {
+        const auto culler = make_culler(info.name, tree);
+        ASSERT_TRUE(culler) << info.name;
+        EXPECT_EQ(find_algorithm(info.name), &info);
+        EXPECT_FALSE(info.summary.empty());
+        EXPECT_EQ(dynamic_cast<OracleCuller*>(culler->get()) != nullptr, info.needs.visible_set);
+    }
+}
+
+TEST(Registry, EveryOptionTakesItsOwnDefault)
+{
+    const Hierarchy tree = test::row_tree(1);
+    for (const AlgorithmInfo& info : algorithms()) {
+        for (const OptionInfo& option : info.options) {
+            const OptionValue value{option.name, option.default_value};
+            EXPECT_TRUE(make_culler(info.name, tree, {&value, 1}))
+                << info.name << "." << option.name;
+            EXPECT_FALSE(option.description.empty());
+        }
+    }
+}
+
+TEST(Registry, AnOptionChangesWhatTheCullerDoes)
+{
+    const Hierarchy tree = test::row_tree(2);
+    const OptionValue threshold{"threshold", "50"};
+    auto culler = std::move(make_culler("chc_plus_plus", tree, {&threshold, 1}).value());
+    ScriptedDevice device({.boxes = [](auto) { return uint64_t{50}; }});
+    EXPECT_EQ(to_string(culler->cull(test::look_ahead(), device).guarantee), "approximate(50)");
+    EXPECT_TRUE(culler->drawn_items().empty());
+}
+
+TEST(Registry, MistakesAreNamedWithWhatWouldWork)
+{
+    const Hierarchy tree = test::row_tree(1);
+    const auto message = [&](const char* algorithm, OptionValue value) {
+        const auto culler = make_culler(algorithm, tree, {&value, 1});
+        return culler ? std::string{} : culler.error().message;
+    };
+    EXPECT_EQ(
+        make_culler("chcpp", tree)
+            .error()
+            .message.find("there is no algorithm 'chcpp'; there are frustum, stop_and_wait, chc"),
+        0u);
+    EXPECT_EQ(
+        message("chc", {"jitter", "on"}),
+        "chc: there is no option 'jitter'; it has visible_test, assume_visible_frames, threshold");
+    EXPECT_EQ(message("frustum", {"x", "1"}), "frustum: there is no option 'x'; it has none");
+    EXPECT_EQ(message("chc", {"visible_test", "sphere"}),
+              "chc: option 'visible_test' cannot be 'sphere': give one of box geometry");
+    EXPECT_EQ(message("chc_plus_plus", {"jitter", "maybe"}),
+              "chc_plus_plus: option 'jitter' cannot be 'maybe': give true or false");
+    for (const char* bad : {"-1", "3.5", "99999999999999", "", "4x"}) {
+        EXPECT_NE(message("chc_plus_plus", {"batch_size", bad}).find("a whole number from 0 to"),
+                  std::string::npos)
+            << bad;
+    }
+}
+
+TEST(DecisionLog, ItemsOfAHiddenNodeAreHidden)
+{
+    const Hierarchy tree = test::row_tree(2);
+    DecisionLog log;
+    log.add(NodeId{2u}, Decision::hidden);
+    log.add(NodeId{3u}, Decision::drawn);
+    const std::vector<Decision> expected{Decision::drawn, Decision::undecided, Decision::hidden,
+                                         Decision::hidden};
+    EXPECT_EQ(log.by_item(tree), expected);
+}
+
+TEST(DecisionLog, TheHashIgnoresOrderAndGroupingButNotTheDecision)
+{
+    const Hierarchy tree = test::row_tree(2);
+    DecisionLog a;
+    a.add(NodeId{2u}, Decision::hidden);
+    a.add(NodeId{3u}, Decision::drawn);
+    DecisionLog b;
+    b.add(NodeId{3u}, Decision::drawn_revealed);
+    b.add(NodeId{5u}, Decision::hidden_group);
+    b.add(NodeId{6u}, Decision::hidden);
+    EXPECT_EQ(a.hash(tree, 7), b.hash(tree, 7));
+    EXPECT_NE(a.hash(tree, 7), a.hash(tree, 8));
+    DecisionLog c;
+    c.add(NodeId{2u}, Decision::hidden);
+    c.add(NodeId{3u}, Decision::hidden);
+    EXPECT_NE(a.hash(tree, 7), c.hash(tree, 7));
+}
+
+} // namespace
+} // namespace occlude

@@ -1,0 +1,83 @@
+// All triangles of a SceneModel in one vertex and one index buffer, and drawing runs of its items.
+#pragma once
+
+#include "scenes/scene_model.h"
+
+#include <occlude/backends/gl/gl_object.h>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace occlude::tools {
+
+/// Vertex attributes: 0 position, 1 normal, both in the space of the mesh; per drawn instance 2 to
+/// 4 the rows of world_from_mesh, 5 colour, 6 id.
+class GlGeometry {
+public:
+    /// Uploads everything. `gl_version` (10 * major + minor) decides how items are drawn: one
+    /// multi-draw from 4.3 on, one draw per run of items before.
+    GlGeometry(const SceneModel& model, std::span<const SceneModel::Item> items, int gl_version);
+
+    /// What the attributes 2 to 6 are read from. `item` gives each item its own colour and its own
+    /// index as id, but can merge no draws.
+    enum class Rows : uint8_t { instance, item };
+
+    /// Draws `items` in this order with the current program: one command for each run of items of
+    /// one instance whose triangles follow each other. No allocation once buffers have grown.
+    void draw(std::span<const ItemId> items, Rows rows);
+
+    void update_transforms(std::span<const glm::mat4> world_from_mesh);
+
+    /// One colour per item for draws with Rows::item; empty gives items the colour of their
+    /// instance.
+    void set_item_colors(std::span<const glm::vec4> colors);
+
+private:
+    // What the vertex shader reads of an instance or an item.
+    struct Row {
+        std::array<glm::vec4, 3> world_from_mesh; ///< affine, row by row
+        glm::vec3 color{0.0f};
+        uint32_t id = 0;
+    };
+    static_assert(sizeof(Row) == 64);
+
+    // Laid out as OpenGL reads it (DrawElementsIndirectCommand).
+    struct Command {
+        uint32_t index_count = 0;
+        uint32_t instance_count = 1;
+        uint32_t first_index = 0;
+        int32_t base_vertex = 0;
+        uint32_t row = 0;
+    };
+    static_assert(sizeof(Command) == 20);
+
+    // A buffer of rows and the vertex array that reads it.
+    struct RowBuffer {
+        gl::GlVertexArray vertex_array;
+        gl::GlBuffer buffer;
+        std::vector<Row> rows;
+    };
+
+    void upload_meshes(const SceneModel& model);
+    void make_row_buffer(RowBuffer& made, std::vector<Row> rows);
+    void make_item_rows();
+    void collect_commands(std::span<const ItemId> items, Rows rows);
+    void draw_one_by_one(const RowBuffer& rows);
+
+    int gl_version_ = 0;
+    gl::GlBuffer vertices_;
+    gl::GlBuffer indices_;
+    gl::GlStreamBuffer indirect_;
+    RowBuffer instance_rows_;
+    RowBuffer item_rows_;                ///< made when needed
+    std::vector<Command> item_commands_; ///< by ItemId, with the row of the item's instance
+    std::vector<Command> commands_;      ///< of the current draw
+    std::vector<glm::vec4> item_colors_;
+};
+
+} // namespace occlude::tools

@@ -1,0 +1,353 @@
+#include "render/gl_renderer.h"
+
+#include "render/gl_shaders.h"
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include <algorithm>
+#include <array>
+
+namespace occlude::tools {
+
+namespace {
+
+constexpr glm::vec4 kBackground{0.55f, 0.68f, 0.82f, 1.0f};
+constexpr uint32_t kNoItem = 0xffffffffu;
+constexpr int kClipControlVersion = 45;
+
+// A light from above, oblique to the axes so that the faces of a box differ.
+glm::vec3 direction_toward_light(const glm::vec3& up)
+{
+    const glm::vec3 side = std::abs(up.x) < 0.5f ? glm::vec3{1, 0, 0} : glm::vec3{0, 0, 1};
+    const glm::vec3 right = glm::normalize(glm::cross(side, up));
+    const glm::vec3 forward = glm::cross(up, right);
+    return glm::normalize(0.8f * glm::normalize(up) + 0.5f * right + 0.25f * forward);
+}
+
+struct Programs {
+    gl::GlProgram shade;
+    gl::GlProgram depth;
+    gl::GlProgram ids;
+    gl::GlProgram lines;
+
+    static Result<Programs> make()
+    {
+        Programs programs;
+        struct Wanted {
+            gl::GlProgram& program;
+            const char* name;
+            const std::string& vertex;
+            const std::string& fragment;
+        };
+        const std::array<Wanted, 4> all{
+            {{programs.shade, "shade", shaders::kShadeVertex, shaders::kShadeFragment},
+             {programs.depth, "depth", shaders::kDepthVertex, shaders::kDepthFragment},
+             {programs.ids, "ids", shaders::kIdVertex, shaders::kIdFragment},
+             {programs.lines, "lines", shaders::kLineVertex, shaders::kLineFragment}}};
+        for (const Wanted& wanted : all) {
+            Result<gl::GlProgram> made =
+                gl::make_program(wanted.name, wanted.vertex, wanted.fragment);
+            if (!made) {
+                return made.error();
+            }
+            wanted.program = std::move(*made);
+        }
+        return programs;
+    }
+};
+
+class GlRenderer final : public SceneRenderer, private gl::GlScene {
+public:
+    static Result<std::unique_ptr<SceneRenderer>> create(const SceneModel& model,
+                                                         std::span<const SceneModel::Item> items,
+                                                         glm::ivec2 size, int samples,
+                                                         const GlRendererOptions& options);
+    ~GlRenderer() override { context_->make_current(); }
+
+    std::string api() const override;
+    std::string renderer_name() const override;
+    QueryDevice& device() override { return *device_; }
+    Result<bool> resize(glm::ivec2 size, int samples) override;
+    void finish() override;
+    void warm_up() override;
+    void render(const View& view, std::span<const ItemId> items) override;
+    Capture capture() override;
+    std::vector<uint32_t> render_ids(const View& view, std::span<const ItemId> items) override;
+    void set_item_colors(std::span<const glm::vec4> colors) override;
+    void draw_lines(const View& view, std::span<const glm::vec3> points, glm::vec4 color,
+                    bool on_top) override;
+    void update_transforms(std::span<const glm::mat4> world_from_mesh) override;
+
+private:
+    GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const SceneModel& model,
+               std::span<const SceneModel::Item> items, int gl_version);
+    Result<bool> make_parts(glm::ivec2 size, int samples, const GlRendererOptions& options);
+
+    void begin_frame(const View& view) override;
+    void draw(std::span<const ItemId> items, DrawPass pass) override;
+    void restore_state() override;
+
+    void set_view(const View& view);
+    void use_camera(const gl::GlProgram& program) const;
+
+    std::unique_ptr<gl::HeadlessContext> context_; // first: everything below dies in it
+    int gl_version_ = 0;
+    glm::vec3 toward_light_{0.0f, 1.0f, 0.0f};
+    size_t item_count_ = 0;
+    GlGeometry geometry_;
+    GlTarget target_;
+    Programs programs_;
+    gl::GlVertexArray line_vertices_;
+    gl::GlStreamBuffer line_points_;
+    std::unique_ptr<gl::GlDepthReader> depth_reader_;
+    std::unique_ptr<gl::GlDevice> device_;
+    View view_;
+    GlGeometry::Rows rows_ = GlGeometry::Rows::instance;
+};
+
+GlRenderer::GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const SceneModel& model,
+                       std::span<const SceneModel::Item> items, int gl_version)
+    : context_(std::move(context))
+    , gl_version_(gl_version)
+    , toward_light_(direction_toward_light(model.up))
+    , item_count_(items.size())
+    , geometry_(model, items, gl_version)
+    , line_vertices_(gl::GlVertexArray::make())
+    , line_points_(sizeof(glm::vec3), 4096)
+{
+    glBindVertexArray(line_vertices_.name());
+    glBindBuffer(GL_ARRAY_BUFFER, line_points_.name());
+    glEnableVertexAttribArray(0);
+    glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
+    glBindVertexArray(0);
+}
+
+Result<bool> GlRenderer::make_parts(glm::ivec2 size, int samples, const GlRendererOptions& options)
+{
+    Result<Programs> programs = Programs::make();
+    if (!programs) {
+        return programs.error();
+    }
+    programs_ = std::move(*programs);
+    glUseProgram(programs_.shade.name());
+    glUniform3fv(glGetUniformLocation(programs_.shade.name(), "toward_light"), 1, &toward_light_.x);
+
+    Result<bool> target = target_.resize(size, samples);
+    if (!target) {
+        return target.error();
+    }
+    auto reader = gl::GlDepthReader::create();
+    if (!reader) {
+        return reader.error();
+    }
+    depth_reader_ = std::move(*reader);
+    auto device = gl::GlDevice::create(*this, {.max_gl_version = options.max_gl_version});
+    if (!device) {
+        return device.error();
+    }
+    device_ = std::move(*device);
+    return true;
+}
+
+Result<std::unique_ptr<SceneRenderer>> GlRenderer::create(const SceneModel& model,
+                                                          std::span<const SceneModel::Item> items,
+                                                          glm::ivec2 size, int samples,
+                                                          const GlRendererOptions& options)
+{
+    auto context = gl::HeadlessContext::create();
+    if (!context) {
+        return context.error();
+    }
+    const int version = std::min(epoxy_gl_version(), options.max_gl_version);
+    std::unique_ptr<GlRenderer> renderer(
+        new GlRenderer(std::move(*context), model, items, version));
+    Result<bool> made = renderer->make_parts(size, samples, options);
+    if (!made) {
+        return made.error();
+    }
+    return std::unique_ptr<SceneRenderer>(std::move(renderer));
+}
+
+std::string GlRenderer::api() const
+{
+    return "gl " + std::to_string(gl_version_ / 10) + "." + std::to_string(gl_version_ % 10);
+}
+
+std::string GlRenderer::renderer_name() const
+{
+    context_->make_current();
+    return reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+}
+
+Result<bool> GlRenderer::resize(glm::ivec2 size, int samples)
+{
+    context_->make_current();
+    return target_.resize(size, samples);
+}
+
+void GlRenderer::finish()
+{
+    context_->make_current();
+    glFinish();
+}
+
+// The camera of what is drawn next, with the depth convention of its view. The target is bound.
+void GlRenderer::set_view(const View& view)
+{
+    view_ = view;
+    const ClipConvention convention = view.convention();
+    if (gl_version_ >= kClipControlVersion) {
+        glClipControl(GL_LOWER_LEFT, convention.range == DepthRange::zero_to_one
+                                         ? GL_ZERO_TO_ONE
+                                         : GL_NEGATIVE_ONE_TO_ONE);
+    }
+    glClearDepth(convention.order == DepthOrder::near_is_large ? 0.0 : 1.0);
+}
+
+void GlRenderer::use_camera(const gl::GlProgram& program) const
+{
+    glUseProgram(program.name());
+    glUniformMatrix4fv(glGetUniformLocation(program.name(), "clip_from_world"), 1, GL_FALSE,
+                       glm::value_ptr(view_.clip_from_world()));
+}
+
+void GlRenderer::begin_frame(const View& view)
+{
+    context_->make_current();
+    target_.bind();
+    set_view(view);
+    use_camera(programs_.depth);
+    use_camera(programs_.shade);
+    restore_state();
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glClearColor(kBackground.r, kBackground.g, kBackground.b, kBackground.a);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+// What a pass does not set for itself in draw().
+void GlRenderer::restore_state()
+{
+    glEnable(GL_DEPTH_TEST);
+    glDisable(GL_DEPTH_CLAMP);
+    glDisable(GL_CULL_FACE);
+}
+
+void GlRenderer::draw(std::span<const ItemId> items, DrawPass pass)
+{
+    const bool depth_only = pass == DrawPass::depth_only;
+    const bool equal = pass == DrawPass::shade_equal;
+    const bool reversed = view_.convention().order == DepthOrder::near_is_large;
+    const GLboolean colors = depth_only ? GL_FALSE : GL_TRUE;
+    glColorMask(colors, colors, colors, colors);
+    glDepthMask(equal ? GL_FALSE : GL_TRUE);
+    glDepthFunc(equal ? GL_EQUAL : reversed ? GL_GREATER : GL_LESS);
+    glUseProgram(depth_only ? programs_.depth.name() : programs_.shade.name());
+    geometry_.draw(items, rows_);
+}
+
+void GlRenderer::render(const View& view, std::span<const ItemId> items)
+{
+    context_->make_current();
+    device_->begin_frame(view);
+    device_->draw(items, DrawPass::shade);
+    device_->end_frame();
+}
+
+// Drivers compile a shader per combination of state: every pass, inside and outside of a query.
+void GlRenderer::warm_up()
+{
+    context_->make_current();
+    device_->begin_frame(View::from_clip(glm::mat4{1.0f}, target_.size()));
+    if (item_count_ > 0) {
+        const std::array<ItemId, 1> item{ItemId{0u}};
+        for (const DrawPass pass : {DrawPass::shade, DrawPass::depth_only, DrawPass::shade_equal}) {
+            device_->draw(item, pass);
+            device_->wait(device_->draw_and_query(item, pass));
+        }
+    }
+    device_->warm_up();
+    device_->end_frame();
+    glFinish();
+}
+
+Capture GlRenderer::capture()
+{
+    context_->make_current();
+    return target_.capture(*depth_reader_);
+}
+
+std::vector<uint32_t> GlRenderer::render_ids(const View& view, std::span<const ItemId> items)
+{
+    context_->make_current();
+    target_.bind_ids();
+    set_view(view);
+    restore_state();
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_TRUE);
+    glDepthFunc(view.convention().order == DepthOrder::near_is_large ? GL_GREATER : GL_LESS);
+    glClear(GL_DEPTH_BUFFER_BIT);
+    glClearBufferuiv(GL_COLOR, 0, &kNoItem);
+    use_camera(programs_.ids);
+    geometry_.draw(items, GlGeometry::Rows::item);
+    std::vector<uint32_t> ids = target_.read_ids();
+    target_.bind();
+    return ids;
+}
+
+void GlRenderer::set_item_colors(std::span<const glm::vec4> colors)
+{
+    context_->make_current();
+    geometry_.set_item_colors(colors);
+    rows_ = colors.empty() ? GlGeometry::Rows::instance : GlGeometry::Rows::item;
+}
+
+void GlRenderer::draw_lines(const View& view, std::span<const glm::vec3> points, glm::vec4 color,
+                            bool on_top)
+{
+    if (points.empty()) {
+        return;
+    }
+    context_->make_current();
+    target_.bind();
+    set_view(view);
+    restore_state();
+    if (on_top) {
+        glDisable(GL_DEPTH_TEST);
+    }
+    glDepthFunc(view.convention().order == DepthOrder::near_is_large ? GL_GEQUAL : GL_LEQUAL);
+    glDepthMask(GL_FALSE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    use_camera(programs_.lines);
+    glUniform4fv(glGetUniformLocation(programs_.lines.name(), "line_color"), 1, &color.x);
+    glBindVertexArray(line_vertices_.name());
+    const size_t offset = line_points_.write(std::as_bytes(points));
+    glDrawArrays(GL_LINES, static_cast<GLint>(offset / sizeof(glm::vec3)),
+                 static_cast<GLsizei>(points.size()));
+}
+
+void GlRenderer::update_transforms(std::span<const glm::mat4> world_from_mesh)
+{
+    context_->make_current();
+    geometry_.update_transforms(world_from_mesh);
+}
+
+} // namespace
+
+Result<std::unique_ptr<SceneRenderer>> make_gl_renderer(const SceneModel& model,
+                                                        std::span<const SceneModel::Item> items,
+                                                        glm::ivec2 size, int samples)
+{
+    return GlRenderer::create(model, items, size, samples, {});
+}
+
+Result<std::unique_ptr<SceneRenderer>> make_gl_renderer(const SceneModel& model,
+                                                        std::span<const SceneModel::Item> items,
+                                                        glm::ivec2 size, int samples,
+                                                        const GlRendererOptions& options)
+{
+    return GlRenderer::create(model, items, size, samples, options);
+}
+
+} // namespace occlude::tools

@@ -1,0 +1,30 @@
+// The program's OpenGL renderer, with its own surfaceless context.
+#pragma once
+
+#include "render/gl_geometry.h"
+#include "render/gl_target.h"
+#include "render/scene_renderer.h"
+
+#include <occlude/backends/gl/gl_device.h>
+#include <occlude/backends/gl/gl_scene.h>
+#include <occlude/backends/gl/headless_context.h>
+
+#include <memory>
+#include <string>
+
+namespace occlude::tools {
+
+struct GlRendererOptions {
+    /// Use nothing newer than this version of OpenGL (10 * major + minor): 33 takes the oldest
+    /// path.
+    int max_gl_version = 99;
+};
+
+/// make_gl_renderer() with options. The renderer belongs to the thread that made it. Several may
+/// live side by side, but the frames of their devices must not interleave.
+Result<std::unique_ptr<SceneRenderer>> make_gl_renderer(const SceneModel& model,
+                                                        std::span<const SceneModel::Item> items,
+                                                        glm::ivec2 size, int samples,
+                                                        const GlRendererOptions& options);
+
+} // namespace occlude::tools

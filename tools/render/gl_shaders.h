@@ -1,0 +1,82 @@
+// The renderer's shaders. Every pass computes positions with the same text, and `invariant`, so
+// that depth is bit-identical between passes; world space first, as box tests do.
+#pragma once
+
+#include <string>
+
+namespace occlude::tools::shaders {
+
+/// Ends inside main(), which the passes continue.
+inline const std::string kPosition = R"(#version 330 core
+layout(location = 0) in vec3 position_mesh;
+layout(location = 1) in vec3 normal_mesh;
+layout(location = 2) in vec4 world_row_0;
+layout(location = 3) in vec4 world_row_1;
+layout(location = 4) in vec4 world_row_2;
+layout(location = 5) in vec3 base_color;
+layout(location = 6) in uint id;
+uniform mat4 clip_from_world;
+invariant gl_Position;
+out vec3 normal;
+flat out vec3 color;
+flat out uint item;
+
+void main()
+{
+    vec4 p = vec4(position_mesh, 1.0);
+    vec3 world = vec3(dot(world_row_0, p), dot(world_row_1, p), dot(world_row_2, p));
+    gl_Position = clip_from_world * vec4(world, 1.0);
+)";
+
+inline const std::string kDepthVertex = kPosition + "}\n";
+inline const std::string kIdVertex = kPosition + "    item = id;\n}\n";
+
+// Normals go through the cofactors: right for any scale, without an inverse; their sign under
+// mirrored transforms does not matter, since both sides are lit alike.
+inline const std::string kShadeVertex = kPosition + R"(
+    vec3 a = world_row_0.xyz;
+    vec3 b = world_row_1.xyz;
+    vec3 c = world_row_2.xyz;
+    normal = vec3(dot(cross(b, c), normal_mesh), dot(cross(c, a), normal_mesh),
+                  dot(cross(a, b), normal_mesh));
+    color = base_color;
+}
+)";
+
+inline const std::string kDepthFragment = R"(#version 330 core
+void main() {}
+)";
+
+inline const std::string kIdFragment = R"(#version 330 core
+flat in uint item;
+layout(location = 0) out uint owner;
+void main() { owner = item; }
+)";
+
+// Colours are linear; the square root stands in for the gamma of displays.
+inline const std::string kShadeFragment = R"(#version 330 core
+in vec3 normal;
+flat in vec3 color;
+uniform vec3 toward_light;
+layout(location = 0) out vec4 shaded;
+
+void main()
+{
+    float facing = abs(dot(normal, toward_light)) * inversesqrt(max(dot(normal, normal), 1e-30));
+    shaded = vec4(sqrt(color * (0.25 + 0.75 * facing)), 1.0);
+}
+)";
+
+inline const std::string kLineVertex = R"(#version 330 core
+layout(location = 0) in vec3 point_world;
+uniform mat4 clip_from_world;
+void main() { gl_Position = clip_from_world * vec4(point_world, 1.0); }
+)";
+
+inline const std::string kLineFragment = R"(#version 330 core
+uniform vec4 line_color;
+layout(location = 0) out vec4 shaded;
+void main() { shaded = line_color; }
+)";
+
+} // namespace occlude::tools::shaders

@@ -1,0 +1,87 @@
+#include "render/image.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#pragma GCC diagnostic ignored "-Wunused-function"
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb_image_write.h>
+#pragma GCC diagnostic pop
+
+namespace occlude::tools {
+
+namespace {
+
+void append(void* context, void* data, int size)
+{
+    const char* bytes = static_cast<const char*>(data);
+    auto* file = static_cast<std::vector<char>*>(context);
+    file->insert(file->end(), bytes, bytes + size);
+}
+
+// RGB bytes, top row first.
+std::vector<uint8_t> rgb_top_down(const Image& image)
+{
+    const auto width = static_cast<size_t>(image.size.x);
+    const auto height = static_cast<size_t>(image.size.y);
+    std::vector<uint8_t> bytes;
+    bytes.reserve(width * height * 3);
+    for (size_t row = height; row-- > 0;) {
+        for (size_t x = 0; x < width; ++x) {
+            const uint32_t pixel = image.pixels[row * width + x];
+            for (const uint32_t shift : {0u, 8u, 16u}) {
+                bytes.push_back(static_cast<uint8_t>(pixel >> shift & 0xff));
+            }
+        }
+    }
+    return bytes;
+}
+
+} // namespace
+
+Result<bool> write_png(const std::filesystem::path& path, const Image& image)
+{
+    if (image.size.x <= 0 || image.size.y <= 0 ||
+        image.pixels.size() !=
+            static_cast<size_t>(image.size.x) * static_cast<size_t>(image.size.y)) {
+        return Error{ErrorCode::invalid_argument,
+                     "cannot write '" + path.string() + "': the image has no pixels"};
+    }
+    const std::vector<uint8_t> bytes = rgb_top_down(image);
+    std::vector<char> encoded;
+    stbi_write_png_to_func(append, &encoded, image.size.x, image.size.y, 3, bytes.data(),
+                           image.size.x * 3);
+    errno = 0;
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    file.write(encoded.data(), static_cast<std::streamsize>(encoded.size()));
+    file.close();
+    if (encoded.empty() || !file) {
+        return Error{ErrorCode::not_found, "cannot write '" + path.string() + "' (" +
+                                               std::strerror(errno) +
+                                               "); choose a folder that exists and is writable"};
+    }
+    return true;
+}
+
+uint64_t count_differences(const Image& a, const Image& b)
+{
+    if (a.size != b.size) {
+        return std::max(a.pixels.size(), b.pixels.size());
+    }
+    uint64_t count = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) {
+        count += a.pixels[i] != b.pixels[i] ? 1 : 0;
+    }
+    return count;
+}
+
+} // namespace occlude::tools
