@@ -4,6 +4,7 @@
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/oracle_cullers.h>
+#include <occlude/cull/statistical.h>
 #include <occlude/cull/stop_and_wait.h>
 
 #include <charconv>
@@ -173,6 +174,9 @@ std::vector<AlgorithmInfo> make_table()
     table.push_back(describe<ChcPlusPlus, ChcPlusPlusOptions>(
         "chc_plus_plus", "Mattausch, Bittner, Wimmer 2008",
         "CHC with batched tests, multiqueries and tight bounds", tests));
+    table.push_back(describe<Statistical, StatisticalOptions>(
+        "statistical", "Kovalcik, Sochor 2005",
+        "what was visible lately is drawn untested, the longer the more often it was", tests));
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(
