@@ -11,6 +11,7 @@
 #include <occlude/device/counting_device.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/device/validating_device.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <gtest/gtest.h>
 
@@ -23,11 +24,12 @@ namespace {
 struct Case {
     std::string algorithm;
     std::vector<OptionValue> options;
+    std::string hierarchy = "bvh";
 };
 
 std::string name_of(const ::testing::TestParamInfo<Case>& info)
 {
-    std::string name = info.param.algorithm;
+    std::string name = info.param.hierarchy + "_" + info.param.algorithm;
     for (const auto& [option, value] : info.param.options) {
         name += "_" + option + "_" + value;
     }
@@ -56,7 +58,26 @@ const std::vector<Case>& cases()
         {"chc_plus_plus", {{"multiqueries", "off"}}},
         {"chc_plus_plus", {{"multiqueries", "analytic"}}},
         {"chc_plus_plus", {{"depth_only_pass", "true"}}},
+        {"statistical", {}},
+        {"statistical", {{"issue", "at_place"}}},
+        {"statistical", {{"results", "oldest"}}},
+        {"statistical", {{"max_in_flight", "1"}}},
+        {"statistical", {{"spread", "0"}, {"history", "1"}}},
+        {"statistical", {{"base_time", "0"}}},
+        {"statistical", {{"base_time", "0.05"}, {"max_age", "0.5"}}},
     };
+    return all;
+}
+
+// Each case on each kind of hierarchy.
+std::vector<Case> cases_on_every_hierarchy()
+{
+    std::vector<Case> all;
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        for (const Case& c : cases()) {
+            all.push_back({c.algorithm, c.options, std::string{kind.name}});
+        }
+    }
     return all;
 }
 
@@ -94,7 +115,8 @@ protected:
         return script;
     }
 
-    const Hierarchy tree_ = test::random_bvh(600, 21);
+    const HierarchyKind& kind_ = *find_hierarchy_kind(GetParam().hierarchy);
+    const Hierarchy tree_ = kind_.build(test::random_boxes(600, 21), 300);
     uint64_t frame_ = 0;
 };
 
@@ -260,7 +282,7 @@ TEST_P(Invariants, OddHierarchiesAreHarmless)
     for (const std::vector<ItemBounds>& items :
          {odd, std::vector<ItemBounds>{odd[4]}, std::vector<ItemBounds>{odd[5]},
           std::vector<ItemBounds>{}}) {
-        const Hierarchy tree = build_bvh(items, {.leaf_triangles = 300});
+        const Hierarchy tree = kind_.build(items, 300);
         DeviceScript none_visible{.boxes = visible_subjects({})};
         none_visible.caps.draw_and_query = true;
         ScriptedDevice scripted(none_visible);
@@ -312,7 +334,8 @@ TEST_P(Invariants, AResetForgetsEverything)
     EXPECT_EQ(first_frames[0], first_frames[1]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases_on_every_hierarchy()),
+                         name_of);
 
 template <class C>
 void expect_visible_nodes_have_visible_ancestors(C& culler, const Hierarchy& tree)
