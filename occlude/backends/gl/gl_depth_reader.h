@@ -4,6 +4,9 @@
 #include <occlude/backends/gl/gl_object.h>
 #include <occlude/core/query_device.h>
 
+#include <glm/vec2.hpp>
+
+#include <cstdint>
 #include <memory>
 #include <span>
 

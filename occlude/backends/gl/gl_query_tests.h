@@ -5,6 +5,9 @@
 #include <occlude/backends/gl/gl_query_pool.h>
 #include <occlude/core/query_device.h>
 
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
 #include <array>
 #include <cstdint>
 #include <memory>
