@@ -7,7 +7,7 @@
 // Deviations  The papers do not say where the planes go; see BspOptions::Split. Node boxes are the
 //             boxes of the items, not the cells between the planes: tighter, and what is tested.
 // Guarantees  Deterministic: the same boxes give the same tree on every compiler. An item never
-//             straddles a plane above it, so siblings never overlap.
+//             straddles a plane above it, so siblings never overlap (until a refit).
 // Cost        O(n * depth), one thread.
 #pragma once
 
