@@ -4,6 +4,8 @@
 
 #include <occlude/core/rng.h>
 
+#include <assimp/DefaultIOStream.h>
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/GltfMaterial.h>
 #include <assimp/Importer.hpp>
 #include <assimp/material.h>
@@ -18,6 +20,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -32,6 +35,40 @@ namespace fs = std::filesystem;
 /// Coordinates beyond this are taken for damage: their squares would not fit a float.
 constexpr float kLargestCoordinate = 1e15f;
 constexpr uint32_t kNoMesh = 0xffffffffu;
+
+/// A file that takes itself off the list of open ones.
+class ListedFile : public Assimp::DefaultIOStream {
+public:
+    ListedFile(FILE* file, const std::string& name, std::vector<ListedFile*>& open)
+        : DefaultIOStream(file, name)
+        , open_(open)
+    {
+        open_.push_back(this);
+    }
+    ~ListedFile() override { std::erase(open_, this); }
+
+private:
+    std::vector<ListedFile*>& open_;
+};
+
+/// Assimp's files, closed at last where an importer that fails forgets to.
+class ListedFiles : public Assimp::DefaultIOSystem {
+public:
+    ~ListedFiles() override
+    {
+        while (!open_.empty()) {
+            delete open_.back();
+        }
+    }
+    Assimp::IOStream* Open(const char* name, const char* mode) override
+    {
+        FILE* file = std::fopen(name, mode);
+        return file != nullptr ? new ListedFile(file, name, open_) : nullptr;
+    }
+
+private:
+    std::vector<ListedFile*> open_;
+};
 
 Error bad_file(const std::string& file, const std::string& what)
 {
@@ -303,6 +340,7 @@ SceneModel convert(const aiScene& scene, const std::string& file, const SceneOpt
 Result<SceneModel> load(const std::string& file, const SceneOptions& options)
 {
     Assimp::Importer importer;
+    importer.SetIOHandler(new ListedFiles); // the importer owns it
     const aiScene* scene = importer.ReadFile(file, 0);
     if (scene == nullptr || scene->mRootNode == nullptr) {
         const std::string reason = importer.GetErrorString();
