@@ -9,7 +9,6 @@
 #include <assimp/GltfMaterial.h>
 #include <assimp/Importer.hpp>
 #include <assimp/material.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <fmt/format.h>
@@ -121,6 +120,26 @@ std::optional<std::string> broken_glb(const std::string& file, uintmax_t file_si
     return std::nullopt;
 }
 
+/// Assimp 5.2 looks for the end of a PLY header for ever.
+std::optional<std::string> broken_ply(const std::string& file)
+{
+    constexpr size_t kLongestHeader = 1 << 20;
+    std::ifstream in(file, std::ios::binary);
+    std::string head(kLongestHeader, '\0');
+    in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<size_t>(in.gcount()));
+    const bool is_ply = head.starts_with("ply\n") || head.starts_with("ply\r");
+    if (!is_ply) {
+        return std::nullopt;
+    }
+    const size_t end = head.find("\nend_header");
+    const size_t after = end == std::string::npos ? end : end + std::strlen("\nend_header");
+    if (after >= head.size() || (head[after] != '\n' && head[after] != '\r')) {
+        return "has no whole PLY header, the line end_header is missing; export it again";
+    }
+    return std::nullopt;
+}
+
 std::optional<Error> check_file(const std::string& file)
 {
     std::error_code failed;
@@ -144,10 +163,14 @@ std::optional<Error> check_file(const std::string& file)
     if (const auto problem = broken_glb(file, size)) {
         return bad_file(file, *problem);
     }
+    if (const auto problem = broken_ply(file)) {
+        return bad_file(file, *problem);
+    }
     return std::nullopt;
 }
 
-/// Polygons are cut into triangles only after this: cutting trusts the indices.
+/// Everything after this trusts the indices. (Assimp's own steps would, too, or abort: none is
+/// run.)
 std::optional<std::string> broken_indices(const aiScene& scene)
 {
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
@@ -218,18 +241,19 @@ Mesh convert_mesh(const aiMesh& source)
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
         mesh.positions.push_back(to_glm(source.mVertices[i]));
     }
-    for (unsigned f = 0; f < source.mNumFaces; ++f) {
+    std::vector<uint32_t> triangles;
+    for (unsigned f = 0; f < source.mNumFaces; ++f) { // points and lines give none
         const aiFace& face = source.mFaces[f];
-        if (face.mNumIndices != 3) {
-            continue; // points and lines
+        triangulate(mesh.positions, {face.mIndices, face.mNumIndices}, triangles);
+    }
+    for (size_t i = 0; i < triangles.size(); i += 3) {
+        const glm::vec3& a = mesh.positions[triangles[i]];
+        const glm::vec3& b = mesh.positions[triangles[i + 1]];
+        const glm::vec3& c = mesh.positions[triangles[i + 2]];
+        if (usable(a) && usable(b) && usable(c) && a != b && b != c && c != a) {
+            const auto corners = triangles.begin() + static_cast<std::ptrdiff_t>(i);
+            mesh.indices.insert(mesh.indices.end(), corners, corners + 3);
         }
-        const glm::vec3& a = mesh.positions[face.mIndices[0]];
-        const glm::vec3& b = mesh.positions[face.mIndices[1]];
-        const glm::vec3& c = mesh.positions[face.mIndices[2]];
-        if (!usable(a) || !usable(b) || !usable(c) || a == b || b == c || c == a) {
-            continue;
-        }
-        mesh.indices.insert(mesh.indices.end(), face.mIndices, face.mIndices + 3);
     }
     if (mesh.indices.empty()) {
         return mesh;
@@ -247,7 +271,7 @@ Mesh convert_mesh(const aiMesh& source)
         mesh.normals.push_back(has_direction ? normal / length : glm::vec3{0.0f, 1.0f, 0.0f});
     }
     const bool every_corner_alone = mesh.positions.size() >= mesh.indices.size();
-    if (every_corner_alone || mesh.indices.size() < 3 * size_t{source.mNumFaces}) {
+    if (every_corner_alone || mesh.indices.size() < triangles.size()) {
         weld(mesh); // also drops vertices that only dropped triangles used
     }
     return mesh;
@@ -350,12 +374,6 @@ Result<SceneModel> load(const std::string& file, const SceneOptions& options)
     }
     if (const auto problem = broken_indices(*scene)) {
         return bad_file(file, *problem + "; the file is broken, export it again");
-    }
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-    if (scene == nullptr) {
-        return bad_file(file, fmt::format("cannot be cut into triangles ({}); triangulate it "
-                                          "before exporting",
-                                          importer.GetErrorString()));
     }
     SceneModel model = convert(*scene, file, options);
     if (model.instances.empty()) {
