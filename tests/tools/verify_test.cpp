@@ -27,7 +27,6 @@ public:
     };
     explicit RowRenderer(std::vector<Strip> strips)
         : strips_(std::move(strips))
-        , device_({})
     {
     }
 
@@ -86,8 +85,10 @@ constexpr ItemId kC{2u};
 
 // Strips 0 and 1 lie in one plane and overlap in pixels 4 and 5; strip 2 is behind both.
 struct Coplanar {
-    RowRenderer renderer{{{0, 6, 0.5f, 0xff0000ffu}, {4, 10, 0.5f, 0xff00ff00u}, {3, 8, 0.7f, 0xffff0000u}}};
-    std::vector<ItemBounds> bounds{3, {{glm::vec3{-1.0f, -1.0f, -6.0f}, glm::vec3{1.0f, 1.0f, -5.0f}}, 2}};
+    RowRenderer renderer{
+        {{0, 6, 0.5f, 0xff0000ffu}, {4, 10, 0.5f, 0xff00ff00u}, {3, 8, 0.7f, 0xffff0000u}}};
+    std::vector<ItemBounds> bounds{
+        3, {{glm::vec3{-1.0f, -1.0f, -6.0f}, glm::vec3{1.0f, 1.0f, -5.0f}}, 2}};
     Hierarchy hierarchy = build_bvh(bounds, {.leaf_triangles = 0});
     View view = look_along_z();
 
@@ -169,7 +170,7 @@ TEST(Verify, AWrongCullerIsCaughtAndNamedWithFrameItemAndNode)
     EXPECT_EQ(summarise((*runs)[0]).differing_pixels, 0u);
     EXPECT_FALSE(promises_kept(*runs));
 
-    const Run& wrong = (*runs)[1];
+    const AlgorithmRun& wrong = (*runs)[1];
     EXPECT_EQ(wrong.frames[0].verdict->differing_pixels, 0u); // looks the other way
     const Verdict& verdict = *wrong.frames[1].verdict;
     EXPECT_GT(verdict.differing_pixels, 0u);
@@ -216,7 +217,7 @@ TEST(Verify, EveryAlgorithmKeepsItsPromiseThroughJumpsAndTurns)
     }
     const auto runs = verify(tiny.stage(), contenders, views);
     ASSERT_TRUE(runs);
-    for (const Run& run : *runs) {
+    for (const AlgorithmRun& run : *runs) {
         EXPECT_EQ(summarise(run).differing_pixels, 0u) << run.algorithm;
         EXPECT_TRUE(summarise(run).verified) << run.algorithm;
     }
@@ -224,16 +225,16 @@ TEST(Verify, EveryAlgorithmKeepsItsPromiseThroughJumpsAndTurns)
 
 TEST(Verify, OnlyExactPromisesCount)
 {
-    Run approximate{"chc", Guarantee::approximate(20), std::vector<FrameFigures>(1)};
+    AlgorithmRun approximate{"chc", Guarantee::approximate(20), std::vector<FrameFigures>(1)};
     approximate.frames[0].verdict = Verdict{.differing_pixels = 5};
-    EXPECT_TRUE(promises_kept(std::vector<Run>{approximate}));
+    EXPECT_TRUE(promises_kept(std::vector<AlgorithmRun>{approximate}));
     approximate.guarantee = Guarantee::exact();
-    EXPECT_FALSE(promises_kept(std::vector<Run>{approximate}));
+    EXPECT_FALSE(promises_kept(std::vector<AlgorithmRun>{approximate}));
 }
 
 TEST(DescribeDifferences, SaysHowManyFramesItLeftOut)
 {
-    Run run{"chc", {}, std::vector<FrameFigures>(5)};
+    AlgorithmRun run{"chc", {}, std::vector<FrameFigures>(5)};
     for (FrameFigures& frame : run.frames) {
         frame.verdict = Verdict{.differing_pixels = 1};
     }
