@@ -1,4 +1,4 @@
-#include "verify.h"
+#include "measure/verify.h"
 
 #include "tools/tiny_scenes.h"
 

@@ -2,7 +2,7 @@
 // Filled by measure.h (times) and verify.h (differences); read by everything in report/.
 #pragma once
 
-#include "statistics.h"
+#include "measure/statistics.h"
 
 #include <occlude/core/frame_report.h>
 #include <occlude/core/ids.h>

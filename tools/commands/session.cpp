@@ -1,4 +1,4 @@
-#include "session.h"
+#include "commands/session.h"
 
 #include <fmt/format.h>
 

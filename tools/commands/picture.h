@@ -1,7 +1,7 @@
 // Pictures of what a culler decided in a frame.
 #pragma once
 
-#include "session.h"
+#include "commands/session.h"
 
 #include <occlude/cull/culler.h>
 

@@ -1,4 +1,4 @@
-#include "picture.h"
+#include "commands/picture.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
