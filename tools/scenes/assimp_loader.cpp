@@ -4,10 +4,11 @@
 
 #include <occlude/core/rng.h>
 
+#include <assimp/DefaultIOStream.h>
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/GltfMaterial.h>
 #include <assimp/Importer.hpp>
 #include <assimp/material.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -32,6 +34,40 @@ namespace fs = std::filesystem;
 /// Coordinates beyond this are taken for damage: their squares would not fit a float.
 constexpr float kLargestCoordinate = 1e15f;
 constexpr uint32_t kNoMesh = 0xffffffffu;
+
+/// A file that takes itself off the list of open ones.
+class ListedFile : public Assimp::DefaultIOStream {
+public:
+    ListedFile(FILE* file, const std::string& name, std::vector<ListedFile*>& open)
+        : DefaultIOStream(file, name)
+        , open_(open)
+    {
+        open_.push_back(this);
+    }
+    ~ListedFile() override { std::erase(open_, this); }
+
+private:
+    std::vector<ListedFile*>& open_;
+};
+
+/// Assimp's files, closed at last where an importer that fails forgets to.
+class ListedFiles : public Assimp::DefaultIOSystem {
+public:
+    ~ListedFiles() override
+    {
+        while (!open_.empty()) {
+            delete open_.back();
+        }
+    }
+    Assimp::IOStream* Open(const char* name, const char* mode) override
+    {
+        FILE* file = std::fopen(name, mode);
+        return file != nullptr ? new ListedFile(file, name, open_) : nullptr;
+    }
+
+private:
+    std::vector<ListedFile*> open_;
+};
 
 Error bad_file(const std::string& file, const std::string& what)
 {
@@ -84,6 +120,26 @@ std::optional<std::string> broken_glb(const std::string& file, uintmax_t file_si
     return std::nullopt;
 }
 
+/// Assimp 5.2 looks for the end of a PLY header for ever.
+std::optional<std::string> broken_ply(const std::string& file)
+{
+    constexpr size_t kLongestHeader = 1 << 20;
+    std::ifstream in(file, std::ios::binary);
+    std::string head(kLongestHeader, '\0');
+    in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<size_t>(in.gcount()));
+    const bool is_ply = head.starts_with("ply\n") || head.starts_with("ply\r");
+    if (!is_ply) {
+        return std::nullopt;
+    }
+    const size_t end = head.find("\nend_header");
+    const size_t after = end == std::string::npos ? end : end + std::strlen("\nend_header");
+    if (after >= head.size() || (head[after] != '\n' && head[after] != '\r')) {
+        return "has no whole PLY header, the line end_header is missing; export it again";
+    }
+    return std::nullopt;
+}
+
 std::optional<Error> check_file(const std::string& file)
 {
     std::error_code failed;
@@ -107,10 +163,14 @@ std::optional<Error> check_file(const std::string& file)
     if (const auto problem = broken_glb(file, size)) {
         return bad_file(file, *problem);
     }
+    if (const auto problem = broken_ply(file)) {
+        return bad_file(file, *problem);
+    }
     return std::nullopt;
 }
 
-/// Polygons are cut into triangles only after this: cutting trusts the indices.
+/// Everything after this trusts the indices. (Assimp's own steps would, too, or abort: none is
+/// run.)
 std::optional<std::string> broken_indices(const aiScene& scene)
 {
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
@@ -181,18 +241,19 @@ Mesh convert_mesh(const aiMesh& source)
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
         mesh.positions.push_back(to_glm(source.mVertices[i]));
     }
-    for (unsigned f = 0; f < source.mNumFaces; ++f) {
+    std::vector<uint32_t> triangles;
+    for (unsigned f = 0; f < source.mNumFaces; ++f) { // points and lines give none
         const aiFace& face = source.mFaces[f];
-        if (face.mNumIndices != 3) {
-            continue; // points and lines
+        triangulate(mesh.positions, {face.mIndices, face.mNumIndices}, triangles);
+    }
+    for (size_t i = 0; i < triangles.size(); i += 3) {
+        const glm::vec3& a = mesh.positions[triangles[i]];
+        const glm::vec3& b = mesh.positions[triangles[i + 1]];
+        const glm::vec3& c = mesh.positions[triangles[i + 2]];
+        if (usable(a) && usable(b) && usable(c) && a != b && b != c && c != a) {
+            const auto corners = triangles.begin() + static_cast<std::ptrdiff_t>(i);
+            mesh.indices.insert(mesh.indices.end(), corners, corners + 3);
         }
-        const glm::vec3& a = mesh.positions[face.mIndices[0]];
-        const glm::vec3& b = mesh.positions[face.mIndices[1]];
-        const glm::vec3& c = mesh.positions[face.mIndices[2]];
-        if (!usable(a) || !usable(b) || !usable(c) || a == b || b == c || c == a) {
-            continue;
-        }
-        mesh.indices.insert(mesh.indices.end(), face.mIndices, face.mIndices + 3);
     }
     if (mesh.indices.empty()) {
         return mesh;
@@ -210,7 +271,7 @@ Mesh convert_mesh(const aiMesh& source)
         mesh.normals.push_back(has_direction ? normal / length : glm::vec3{0.0f, 1.0f, 0.0f});
     }
     const bool every_corner_alone = mesh.positions.size() >= mesh.indices.size();
-    if (every_corner_alone || mesh.indices.size() < 3 * size_t{source.mNumFaces}) {
+    if (every_corner_alone || mesh.indices.size() < triangles.size()) {
         weld(mesh); // also drops vertices that only dropped triangles used
     }
     return mesh;
@@ -303,6 +364,7 @@ SceneModel convert(const aiScene& scene, const std::string& file, const SceneOpt
 Result<SceneModel> load(const std::string& file, const SceneOptions& options)
 {
     Assimp::Importer importer;
+    importer.SetIOHandler(new ListedFiles); // the importer owns it
     const aiScene* scene = importer.ReadFile(file, 0);
     if (scene == nullptr || scene->mRootNode == nullptr) {
         const std::string reason = importer.GetErrorString();
@@ -312,12 +374,6 @@ Result<SceneModel> load(const std::string& file, const SceneOptions& options)
     }
     if (const auto problem = broken_indices(*scene)) {
         return bad_file(file, *problem + "; the file is broken, export it again");
-    }
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-    if (scene == nullptr) {
-        return bad_file(file, fmt::format("cannot be cut into triangles ({}); triangulate it "
-                                          "before exporting",
-                                          importer.GetErrorString()));
     }
     SceneModel model = convert(*scene, file, options);
     if (model.instances.empty()) {

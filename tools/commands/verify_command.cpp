@@ -1,6 +1,6 @@
-#include "comparison.h"
+#include "commands/comparison.h"
+#include "measure/verify.h"
 #include "report/table.h"
-#include "verify.h"
 
 #include <ostream>
 

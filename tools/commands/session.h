@@ -1,8 +1,8 @@
 // A scene that is loaded, organised and ready to be drawn.
 #pragma once
 
-#include "options.h"
-#include "stage.h"
+#include "commands/options.h"
+#include "measure/stage.h"
 
 #include <iosfwd>
 #include <memory>

@@ -1,11 +1,11 @@
 // What bench and verify share: from options to scenes, contenders, documents and output files.
 #pragma once
 
-#include "commands.h"
-#include "contenders.h"
-#include "output_file.h"
+#include "commands/commands.h"
+#include "commands/contenders.h"
+#include "commands/session.h"
 #include "report/bench_document.h"
-#include "session.h"
+#include "report/output_file.h"
 
 #include <optional>
 

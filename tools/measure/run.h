@@ -2,7 +2,7 @@
 // Filled by measure.h (times) and verify.h (differences); read by everything in report/.
 #pragma once
 
-#include "statistics.h"
+#include "measure/statistics.h"
 
 #include <occlude/core/frame_report.h>
 #include <occlude/core/ids.h>
@@ -35,7 +35,7 @@ struct Verdict {
     /// Pixels that differ only because surfaces of equal depth were drawn in another order. The
     /// same items in the order of the reference give the reference: nothing was culled wrongly.
     uint64_t tied_pixels = 0;
-    glm::ivec2 first_pixel{-1};       ///< the first differing one; row 0 is the bottom row
+    glm::ivec2 first_pixel{-1};            ///< the first differing one; row 0 is the bottom row
     std::vector<MissingItem> missing = {}; ///< most pixels first
 };
 

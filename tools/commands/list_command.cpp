@@ -1,4 +1,4 @@
-#include "commands.h"
+#include "commands/commands.h"
 
 #include "report/table.h"
 #include "scenes/scene_source.h"

@@ -1,4 +1,4 @@
-#include "run.h"
+#include "measure/run.h"
 
 #include <occlude/core/rng.h>
 

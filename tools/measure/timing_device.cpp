@@ -1,4 +1,4 @@
-#include "timing_device.h"
+#include "measure/timing_device.h"
 
 #include <chrono>
 

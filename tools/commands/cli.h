@@ -1,7 +1,7 @@
 // The command line: from argv to a command's options, and from its result to an exit code.
 #pragma once
 
-#include "commands.h"
+#include "commands/commands.h"
 
 namespace occlude::tools {
 

@@ -1,7 +1,7 @@
 // Pictures of what a culler decided in a frame.
 #pragma once
 
-#include "session.h"
+#include "commands/session.h"
 
 #include <occlude/cull/culler.h>
 
@@ -30,8 +30,9 @@ std::span<const StateColor> state_colors();
 /// than nodes: what they drew counts as drawn.
 std::vector<Decision> item_decisions(const Culler& culler, size_t item_count);
 
-/// A camera from high above that sees the whole scene, looking the way `path_camera` looks.
-Camera overview_camera(const SceneModel& model, const Camera& path_camera);
+/// A camera from high above whose image of `size` pixels shows the whole scene, with the way that
+/// `path_camera` looks going up.
+Camera overview_camera(const SceneModel& model, const Camera& path_camera, glm::ivec2 size);
 
 /// The end points of the 12 edges of a box, in pairs.
 std::array<glm::vec3, 24> box_edges(const Aabb& box);

@@ -1,4 +1,4 @@
-#include "contenders.h"
+#include "commands/contenders.h"
 
 #include <occlude/cull/registry.h>
 

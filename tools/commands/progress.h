@@ -1,7 +1,7 @@
 // A progress bar with an estimate, for a person at a terminal; silent for everyone else.
 #pragma once
 
-#include "timing_device.h"
+#include "measure/timing_device.h"
 
 #include <iosfwd>
 #include <string>

@@ -1,9 +1,9 @@
-#include "comparison.h"
+#include "commands/comparison.h"
 
+#include "measure/verify.h"
 #include "report/csv_report.h"
 #include "report/html_report.h"
 #include "report/json_report.h"
-#include "verify.h"
 
 #include <ostream>
 

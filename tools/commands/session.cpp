@@ -1,4 +1,4 @@
-#include "session.h"
+#include "commands/session.h"
 
 #include <occlude/hierarchy/hierarchy_kinds.h>
 
@@ -53,8 +53,7 @@ Result<bool> Session::make_renderer(std::ostream& notes)
             return true;
         }
         if (options_.device || options_.samples > 1) {
-            return Error{renderer.error().code,
-                         renderer.error().message + "; --device cpu works without OpenGL"};
+            return renderer.error();
         }
         notes << "occlude: no OpenGL here (" << renderer.error().message
               << "); drawing on the CPU instead, as --device cpu does, which is much slower\n";

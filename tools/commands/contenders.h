@@ -1,8 +1,8 @@
 // From --algorithms and --set to algorithms that can be made.
 #pragma once
 
-#include "options.h"
-#include "stage.h"
+#include "commands/options.h"
+#include "measure/stage.h"
 
 namespace occlude::tools {
 

@@ -9,8 +9,8 @@
 // item is missing). Pixels that differ in either are differing; the rest are tied.
 #pragma once
 
-#include "run.h"
-#include "stage.h"
+#include "measure/run.h"
+#include "measure/stage.h"
 
 namespace occlude::tools {
 

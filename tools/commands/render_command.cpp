@@ -1,8 +1,8 @@
-#include "commands.h"
-#include "contenders.h"
-#include "output_file.h"
-#include "picture.h"
-#include "png.h"
+#include "commands/commands.h"
+#include "commands/contenders.h"
+#include "render/image.h"
+#include "commands/picture.h"
+#include "report/output_file.h"
 #include "report/table.h"
 
 #include <occlude/cull/registry.h>
@@ -77,15 +77,6 @@ Result<bool> make_directory(const std::string& path)
                                  path, failed ? ": " + failed.message() : "")};
     }
     return true;
-}
-
-Result<bool> write_png(const fs::path& path, const Image& image)
-{
-    auto file = OutputFile::open(path);
-    if (!file) {
-        return file.error();
-    }
-    return file->commit(encode_png(image));
 }
 
 void print_legend(const Session& session, const Culler& culler, size_t frame, std::ostream& out)

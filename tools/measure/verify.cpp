@@ -1,6 +1,6 @@
-#include "verify.h"
+#include "measure/verify.h"
 
-#include "measure.h"
+#include "measure/measure.h"
 
 #include <fmt/format.h>
 

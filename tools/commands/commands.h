@@ -1,8 +1,8 @@
 // The subcommands. Each returns the exit code, or the error that the program ends with.
 #pragma once
 
-#include "options.h"
-#include "progress.h"
+#include "commands/options.h"
+#include "commands/progress.h"
 
 #include <iosfwd>
 

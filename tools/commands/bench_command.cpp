@@ -1,7 +1,7 @@
-#include "comparison.h"
-#include "measure.h"
+#include "commands/comparison.h"
+#include "measure/measure.h"
+#include "measure/verify.h"
 #include "report/table.h"
-#include "verify.h"
 
 #include <ostream>
 

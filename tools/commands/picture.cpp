@@ -1,4 +1,4 @@
-#include "picture.h"
+#include "commands/picture.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -144,23 +144,36 @@ std::vector<Decision> item_decisions(const Culler& culler, size_t item_count)
     return decisions;
 }
 
-Camera overview_camera(const SceneModel& model, const Camera& path_camera)
+Camera overview_camera(const SceneModel& model, const Camera& path_camera, glm::ivec2 size)
 {
     constexpr float kFovY = 40.0f;   // degrees
     constexpr float kTilt = 0.6f;    // how far behind per unit of height
-    constexpr float kMargin = 0.85f; // the sphere around a flat scene is larger than its outline
+    constexpr float kMargin = 1.08f; // of the distance from which the bounds just fit
     const Aabb bounds = world_bounds(model);
     const glm::vec3 up = glm::normalize(model.up);
-    glm::vec3 forward = path_camera.target - path_camera.eye;
-    forward -= up * glm::dot(forward, up);
-    if (glm::length(forward) < 1e-6f) { // world units: the camera looks straight down
-        forward = std::abs(up.x) < 0.5f ? glm::vec3{1.0f, 0.0f, 0.0f} : glm::vec3{0.0f, 1.0f, 0.0f};
-        forward -= up * glm::dot(forward, up);
+    glm::vec3 heading = path_camera.target - path_camera.eye;
+    heading -= up * glm::dot(heading, up);
+    if (glm::length(heading) < 1e-6f) { // world units: the camera looks straight down
+        heading = std::abs(up.x) < 0.5f ? glm::vec3{1.0f, 0.0f, 0.0f} : glm::vec3{0.0f, 1.0f, 0.0f};
+        heading -= up * glm::dot(heading, up);
     }
-    const float radius = 0.5f * glm::length(bounds.extent());
-    const float distance = kMargin * radius / std::sin(glm::radians(0.5f * kFovY));
-    Camera camera{.target = bounds.center(), .up = glm::normalize(forward), .fov_y = kFovY};
-    camera.eye = camera.target + distance * glm::normalize(up - kTilt * glm::normalize(forward));
+    heading = glm::normalize(heading);
+    const glm::vec3 forward = glm::normalize(kTilt * heading - up);
+    const glm::vec3 right = glm::normalize(glm::cross(forward, heading));
+    const glm::vec3 upward = glm::cross(right, forward);
+    const float slope_y = std::tan(glm::radians(0.5f * kFovY));
+    const float slope_x = slope_y * static_cast<float>(size.x) / static_cast<float>(size.y);
+    float distance = 0.0f;
+    for (const glm::vec3& corner : box_edges(bounds)) {
+        const glm::vec3 offset = corner - bounds.center();
+        const float needed = std::max(std::abs(glm::dot(offset, right)) / slope_x,
+                                      std::abs(glm::dot(offset, upward)) / slope_y);
+        distance = std::max(distance, needed - glm::dot(offset, forward));
+    }
+    Camera camera{.eye = bounds.center() - kMargin * distance * forward,
+                  .target = bounds.center(),
+                  .up = heading,
+                  .fov_y = kFovY};
     choose_depth_range({&camera, 1}, model);
     return camera;
 }
@@ -202,7 +215,7 @@ Image draw_picture(Session& session, const Culler& culler, const Camera& camera,
     const View path_view = make_view(camera, size);
     const bool overview = choice == CameraChoice::overview;
     const View view =
-        overview ? make_view(overview_camera(session.model(), camera), size) : path_view;
+        overview ? make_view(overview_camera(session.model(), camera, size), size) : path_view;
     const std::vector<ItemId> hidden = hidden_in_frustum(session.stage(), culler, path_view);
 
     draw_items_for(session, culler, view, show, choice);

@@ -1,4 +1,4 @@
-#include "stage.h"
+#include "measure/stage.h"
 
 #include <occlude/cull/registry.h>
 

@@ -6,9 +6,9 @@
 // culler, so no algorithm sees another's frames.
 #pragma once
 
-#include "run.h"
-#include "stage.h"
-#include "timing_device.h"
+#include "measure/run.h"
+#include "measure/stage.h"
+#include "measure/timing_device.h"
 
 namespace occlude::tools {
 

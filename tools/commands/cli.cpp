@@ -1,4 +1,4 @@
-#include "cli.h"
+#include "commands/cli.h"
 
 #include <fmt/format.h>
 
@@ -119,7 +119,9 @@ void add_render_options(CLI::App& app, RawStage& raw, RenderOptions& render)
         ->capture_default_str()
         ->check(whole_number(1, kMaxFrames));
     CLI::Option* frame =
-        app.add_option("--frame", render.frame, "The frame of the path to draw, from 0")
+        app.add_option(
+               "--frame", render.frame,
+               "The frame of the path to draw, from 0; the 30 frames before it are culled first")
             ->check(whole_number(0, kMaxFrames - 1));
     app.add_option("--frames", render.frame_range, "The frames FIRST:LAST to draw into a directory")
         ->excludes(frame);
