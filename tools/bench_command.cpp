@@ -10,7 +10,7 @@ namespace occlude::tools {
 namespace {
 
 // Copies the verdicts of a verifying walk into the timed runs of the same contenders.
-void take_verdicts(std::span<Run> timed, std::span<const Run> verified)
+void take_verdicts(std::span<AlgorithmRun> timed, std::span<const AlgorithmRun> verified)
 {
     for (size_t i = 0; i < timed.size(); ++i) {
         for (size_t frame = 0; frame < timed[i].frames.size(); ++frame) {

@@ -13,6 +13,10 @@ namespace occlude::tools {
 
 namespace {
 
+constexpr uint64_t kMaxFrames = 1000000;
+constexpr uint64_t kMaxRepeats = 10000;
+constexpr uint64_t kMaxSamples = 64;
+constexpr uint64_t kMaxTriangles = 0xffffffff;
 constexpr std::array<const char*, 5> kCommands = {"bench", "verify", "render", "info", "list"};
 
 // Options that need more than CLI11's own conversions arrive as text first.
@@ -32,29 +36,21 @@ T value_or_throw(Result<T> result)
     return std::move(*result);
 }
 
-CLI::Validator at_least_one()
+// A whole number in a range; larger ones than memory could hold are typing errors.
+CLI::Validator whole_number(uint64_t low, uint64_t high)
 {
     return CLI::Validator{
-        [](const std::string& text) {
-            const bool digits = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-                return c >= '0' && c <= '9';
-            });
-            const bool zero = text.find_first_not_of('0') == std::string::npos;
-            return digits && !zero ? std::string{} : "'" + text + "' is not a number from 1 up";
+        [low, high](const std::string& text) {
+            constexpr size_t kMaxDigits = 18;
+            const bool digits =
+                !text.empty() && text.size() <= kMaxDigits &&
+                std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+            const uint64_t value = digits ? std::stoull(text) : 0;
+            return digits && value >= low && value <= high
+                       ? std::string{}
+                       : fmt::format("'{}' is not a whole number from {} to {}", text, low, high);
         },
-        "N"};
-}
-
-CLI::Validator whole_number()
-{
-    return CLI::Validator{
-        [](const std::string& text) {
-            const bool digits = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-                return c >= '0' && c <= '9';
-            });
-            return digits ? std::string{} : "'" + text + "' is not a whole number";
-        },
-        "N"};
+        ""};
 }
 
 void add_stage_options(CLI::App& app, RawStage& raw)
@@ -71,25 +67,25 @@ void add_stage_options(CLI::App& app, RawStage& raw)
     app.add_option("--size", raw.size, "Pixels of the image, WIDTHxHEIGHT")->capture_default_str();
     app.add_option("--msaa", stage.samples, "Samples per pixel")
         ->capture_default_str()
-        ->check(at_least_one());
+        ->check(whole_number(1, kMaxSamples));
     app.add_option("--set", stage.sets, "An option of an algorithm: ALGORITHM.OPTION=VALUE")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--leaf-triangles", stage.leaf_triangles,
                    "Triangles up to which a node is a leaf; 0: only real leaves")
         ->capture_default_str()
-        ->check(whole_number());
+        ->check(whole_number(0, kMaxTriangles));
     app.add_option("--item-triangles", stage.item_triangles,
                    "Triangles up to which a mesh stays one item")
         ->capture_default_str()
-        ->check(at_least_one());
+        ->check(whole_number(1, kMaxTriangles));
 }
 
 void add_frames_option(CLI::App& app, StageOptions& stage)
 {
     app.add_option("--frames", stage.frames, "Frames of the path")
         ->capture_default_str()
-        ->check(at_least_one());
+        ->check(whole_number(1, kMaxFrames));
 }
 
 void add_compare_options(CLI::App& app, RawStage& raw, CompareOptions& compare)
@@ -103,7 +99,7 @@ void add_compare_options(CLI::App& app, RawStage& raw, CompareOptions& compare)
     add_frames_option(app, raw.stage);
     app.add_option("--repeat", compare.repeat, "Walks along the path; figures are medians of them")
         ->capture_default_str()
-        ->check(at_least_one());
+        ->check(whole_number(1, kMaxRepeats));
     app.add_flag("--verify", compare.verify, "Compare every frame with the frustum-only image");
     app.add_option("--json", compare.json, "Write the measurements as JSON")->type_name("FILE");
     app.add_option("--csv", compare.csv, "Write one row per algorithm as CSV")->type_name("FILE");
@@ -120,10 +116,10 @@ void add_render_options(CLI::App& app, RawStage& raw, RenderOptions& render)
     add_stage_options(app, raw);
     app.add_option("--path-frames", raw.stage.frames, "Frames of the whole path")
         ->capture_default_str()
-        ->check(at_least_one());
+        ->check(whole_number(1, kMaxFrames));
     CLI::Option* frame =
         app.add_option("--frame", render.frame, "The frame of the path to draw, from 0")
-            ->check(whole_number());
+            ->check(whole_number(0, kMaxFrames - 1));
     app.add_option("--frames", render.frame_range, "The frames FIRST:LAST to draw into a directory")
         ->excludes(frame);
     app.add_option("--out", render.out, "FILE.png, or a directory for --frames")->required();

@@ -78,10 +78,10 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
             .runs = {}};
 }
 
-void print_differences(std::span<const Run> runs, std::ostream& out)
+void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out)
 {
     constexpr size_t kMaxLines = 10;
-    for (const Run& run : runs) {
+    for (const AlgorithmRun& run : runs) {
         for (const std::string& line : describe_differences(run, kMaxLines)) {
             out << line << '\n';
         }

@@ -31,7 +31,7 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
                        size_t frames);
 
 /// Prints what differed, if anything did.
-void print_differences(std::span<const Run> runs, std::ostream& out);
+void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out);
 
 /// Checks everything that can be checked before a scene is loaded, for messages at once.
 Result<bool> check_compare_options(const CompareOptions& options);

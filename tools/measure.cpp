@@ -37,7 +37,7 @@ public:
         }
     }
 
-    std::vector<Run> walk()
+    std::vector<AlgorithmRun> walk()
     {
         warm_up();
         for (size_t repeat = 0; repeat < options_.repeat; ++repeat) {
@@ -115,7 +115,7 @@ private:
     void note_decisions(size_t contender, size_t frame, const FrameReport& report)
     {
         const Culler& culler = *cullers_[contender];
-        Run& run = runs_[contender];
+        AlgorithmRun& run = runs_[contender];
         run.guarantee = weaker(run.guarantee, report.guarantee);
         FrameFigures& figures = run.frames[frame];
         figures.counters = report.counters;
@@ -142,13 +142,14 @@ private:
     std::vector<std::unique_ptr<Culler>> cullers_;
     std::vector<std::vector<ItemId>> owners_; // by frame
     std::vector<std::vector<Samples>> samples_;
-    std::vector<Run> runs_;
+    std::vector<AlgorithmRun> runs_;
 };
 
-const Run* find_run(std::span<const Run> runs, std::string_view algorithm)
+const AlgorithmRun* find_run(std::span<const AlgorithmRun> runs, std::string_view algorithm)
 {
-    const auto found = std::find_if(runs.begin(), runs.end(),
-                                    [&](const Run& run) { return run.algorithm == algorithm; });
+    const auto found = std::find_if(runs.begin(), runs.end(), [&](const AlgorithmRun& run) {
+        return run.algorithm == algorithm;
+    });
     return found != runs.end() ? &*found : nullptr;
 }
 
@@ -171,12 +172,12 @@ double overdraw_items(std::span<const ItemId> drawn, std::span<const ItemId> own
     return static_cast<double>(wasted) / static_cast<double>(std::max<size_t>(owners.size(), 1));
 }
 
-void compare_with_references(std::span<Run> runs)
+void compare_with_references(std::span<AlgorithmRun> runs)
 {
-    const Run* frustum = find_run(runs, "frustum");
-    const Run* opt = find_run(runs, "opt");
-    const Run* ideal = find_run(runs, "ideal");
-    for (Run& run : runs) {
+    const AlgorithmRun* frustum = find_run(runs, "frustum");
+    const AlgorithmRun* opt = find_run(runs, "opt");
+    const AlgorithmRun* ideal = find_run(runs, "ideal");
+    for (AlgorithmRun& run : runs) {
         for (size_t frame = 0; frame < run.frames.size(); ++frame) {
             FrameFigures& figures = run.frames[frame];
             if (frustum != nullptr) {
@@ -192,8 +193,9 @@ void compare_with_references(std::span<Run> runs)
     }
 }
 
-Result<std::vector<Run>> measure(const Stage& stage, std::span<const Contender> contenders,
-                                 std::span<const View> views, const MeasureOptions& options)
+Result<std::vector<AlgorithmRun>> measure(const Stage& stage, std::span<const Contender> contenders,
+                                          std::span<const View> views,
+                                          const MeasureOptions& options)
 {
     OCCLUDE_ASSERT(!views.empty() && options.repeat > 0, "there is nothing to measure");
     auto cullers = make_cullers(stage, contenders);

@@ -17,14 +17,15 @@ struct MeasureOptions {
     /// median over them.
     size_t repeat = 1;
     Clock clock = steady_clock();
-    ProgressCallback progress;
+    ProgressCallback progress = {};
 };
 
 /// One run per contender, in their order. The figures against `frustum`, `opt` and `ideal` are
 /// formed per frame if contenders of these names take part, and stay unmeasured otherwise. Fails if
 /// a contender cannot be made. Preconditions: views not empty, repeat > 0.
-Result<std::vector<Run>> measure(const Stage& stage, std::span<const Contender> contenders,
-                                 std::span<const View> views, const MeasureOptions& options = {});
+Result<std::vector<AlgorithmRun>> measure(const Stage& stage, std::span<const Contender> contenders,
+                                          std::span<const View> views,
+                                          const MeasureOptions& options = {});
 
 /// The order in which `count` contenders run in a frame: rotated by one from frame to frame, and
 /// from repeat to repeat.
@@ -35,6 +36,6 @@ std::vector<size_t> contender_order(size_t count, size_t frame, size_t repeat);
 double overdraw_items(std::span<const ItemId> drawn, std::span<const ItemId> owners);
 
 /// Forms the figures against `frustum`, `opt` and `ideal` in every frame of all runs.
-void compare_with_references(std::span<Run> runs);
+void compare_with_references(std::span<AlgorithmRun> runs);
 
 } // namespace occlude::tools

@@ -18,7 +18,7 @@ double Summary::per_frame(uint64_t count) const
                             : static_cast<double>(count) / static_cast<double>(frame_count);
 }
 
-static std::vector<double> column(const Run& run, double FrameFigures::*figure)
+static std::vector<double> column(const AlgorithmRun& run, double FrameFigures::*figure)
 {
     std::vector<double> values;
     values.reserve(run.frames.size());
@@ -28,7 +28,7 @@ static std::vector<double> column(const Run& run, double FrameFigures::*figure)
     return values;
 }
 
-Summary summarise(const Run& run)
+Summary summarise(const AlgorithmRun& run)
 {
     Summary summary;
     summary.frame_ms = distribution(column(run, &FrameFigures::frame_ms));

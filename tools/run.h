@@ -36,7 +36,7 @@ struct Verdict {
     /// same items in the order of the reference give the reference: nothing was culled wrongly.
     uint64_t tied_pixels = 0;
     glm::ivec2 first_pixel{-1};       ///< the first differing one; row 0 is the bottom row
-    std::vector<MissingItem> missing; ///< most pixels first
+    std::vector<MissingItem> missing = {}; ///< most pixels first
 };
 
 struct FrameFigures {
@@ -53,7 +53,7 @@ struct FrameFigures {
     std::optional<Verdict> verdict; ///< empty: not compared
 };
 
-struct Run {
+struct AlgorithmRun {
     std::string algorithm;
     Guarantee guarantee; ///< the weakest of all frames
     std::vector<FrameFigures> frames;
@@ -81,6 +81,6 @@ struct Summary {
     /// `count` of `total` per frame.
     double per_frame(uint64_t count) const;
 };
-Summary summarise(const Run& run);
+Summary summarise(const AlgorithmRun& run);
 
 } // namespace occlude::tools

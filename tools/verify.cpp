@@ -112,7 +112,7 @@ std::string describe_missing(const MissingItem& missing)
                        to_string(missing.decision));
 }
 
-std::string describe_frame(const Run& run, size_t frame, const Verdict& verdict)
+std::string describe_frame(const AlgorithmRun& run, size_t frame, const Verdict& verdict)
 {
     constexpr size_t kMaxItems = 4;
     std::string line =
@@ -133,7 +133,7 @@ std::string describe_frame(const Run& run, size_t frame, const Verdict& verdict)
 
 // Culls one frame with one culler and compares it with the reference.
 void verify_frame(const Stage& stage, const View& view, const Capture& reference, Culler& culler,
-                  Run& run, size_t frame)
+                  AlgorithmRun& run, size_t frame)
 {
     const FrameReport report = culler.cull(view, stage.renderer.device());
     const Capture culled = stage.renderer.capture();
@@ -190,14 +190,15 @@ Verdict judge_frame(const Stage& stage, const View& view, const Capture& referen
     return verdict;
 }
 
-Result<std::vector<Run>> verify(const Stage& stage, std::span<const Contender> contenders,
-                                std::span<const View> views, const ProgressCallback& progress)
+Result<std::vector<AlgorithmRun>> verify(const Stage& stage, std::span<const Contender> contenders,
+                                         std::span<const View> views,
+                                         const ProgressCallback& progress)
 {
     auto cullers = make_cullers(stage, contenders);
     if (!cullers) {
         return cullers.error();
     }
-    std::vector<Run> runs;
+    std::vector<AlgorithmRun> runs;
     for (const Contender& contender : contenders) {
         runs.push_back({contender.name, {}, std::vector<FrameFigures>(views.size())});
     }
@@ -229,14 +230,14 @@ Result<std::vector<Run>> verify(const Stage& stage, std::span<const Contender> c
     return runs;
 }
 
-bool promises_kept(std::span<const Run> runs)
+bool promises_kept(std::span<const AlgorithmRun> runs)
 {
-    return std::all_of(runs.begin(), runs.end(), [](const Run& run) {
+    return std::all_of(runs.begin(), runs.end(), [](const AlgorithmRun& run) {
         return run.guarantee.kind != Guarantee::Kind::exact || summarise(run).differing_pixels == 0;
     });
 }
 
-std::vector<std::string> describe_differences(const Run& run, size_t max_lines)
+std::vector<std::string> describe_differences(const AlgorithmRun& run, size_t max_lines)
 {
     std::vector<std::string> lines;
     size_t left_out = 0;

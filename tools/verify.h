@@ -22,14 +22,15 @@ Verdict judge_frame(const Stage& stage, const View& view, const Capture& referen
 
 /// One run per contender, with a verdict and counters in every frame and no times. Fails if a
 /// contender cannot be made.
-Result<std::vector<Run>> verify(const Stage& stage, std::span<const Contender> contenders,
-                                std::span<const View> views, const ProgressCallback& progress = {});
+Result<std::vector<AlgorithmRun>> verify(const Stage& stage, std::span<const Contender> contenders,
+                                         std::span<const View> views,
+                                         const ProgressCallback& progress = {});
 
 /// True if every run that promises exact images kept the promise.
-bool promises_kept(std::span<const Run> runs);
+bool promises_kept(std::span<const AlgorithmRun> runs);
 
 /// The differences of a run in words, one line per frame: the frame, the pixels, the items missing
 /// and the nodes that hid them. At most `max_lines` lines, then how many more there are.
-std::vector<std::string> describe_differences(const Run& run, size_t max_lines);
+std::vector<std::string> describe_differences(const AlgorithmRun& run, size_t max_lines);
 
 } // namespace occlude::tools

@@ -9,12 +9,12 @@ namespace occlude::tools {
 namespace {
 
 // Walks the path `repeat` times with fresh cullers and keeps, for every frame, the worst verdict.
-Result<std::vector<Run>> verify_repeatedly(const Stage& stage,
-                                           std::span<const Contender> contenders,
-                                           std::span<const View> views, size_t repeat,
-                                           Progress& progress)
+Result<std::vector<AlgorithmRun>> verify_repeatedly(const Stage& stage,
+                                                    std::span<const Contender> contenders,
+                                                    std::span<const View> views, size_t repeat,
+                                                    Progress& progress)
 {
-    std::vector<Run> worst;
+    std::vector<AlgorithmRun> worst;
     for (size_t walk = 0; walk < repeat; ++walk) {
         auto runs = verify(stage, contenders, views, [&](double share) {
             progress.show((static_cast<double>(walk) + share) / static_cast<double>(repeat));

@@ -3,7 +3,7 @@
 
 #include "scenes/scene_model.h"
 
-#include <occlude/backends/gl/gl_object.h>
+#include <occlude/backends/gl/detail/gl_object.h>
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>

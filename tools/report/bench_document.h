@@ -26,7 +26,7 @@ struct BenchDocument {
     int samples = 1;
     size_t frames = 0;
     size_t repeat = 1;
-    std::vector<Run> runs;
+    std::vector<AlgorithmRun> runs;
 };
 
 } // namespace occlude::tools

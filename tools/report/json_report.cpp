@@ -68,7 +68,7 @@ Json frame_json(const FrameFigures& frame)
     return json;
 }
 
-Json run_json(const Run& run, const BenchDocument& document)
+Json run_json(const AlgorithmRun& run, const BenchDocument& document)
 {
     const Summary summary = summarise(run);
     Json frames = Json::array();
@@ -98,7 +98,7 @@ Json run_json(const Run& run, const BenchDocument& document)
 Json document_json(const BenchDocument& document)
 {
     Json runs = Json::array();
-    for (const Run& run : document.runs) {
+    for (const AlgorithmRun& run : document.runs) {
         runs.push_back(run_json(run, document));
     }
     return {{"version", 1},

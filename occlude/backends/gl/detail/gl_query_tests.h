@@ -1,9 +1,12 @@
 // The test method `queries`: one occlusion query and one instanced draw per test.
 #pragma once
 
-#include <occlude/backends/gl/gl_object.h>
-#include <occlude/backends/gl/gl_query_pool.h>
+#include <occlude/backends/gl/detail/gl_object.h>
+#include <occlude/backends/gl/detail/gl_query_pool.h>
 #include <occlude/core/query_device.h>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include <array>
 #include <cstdint>

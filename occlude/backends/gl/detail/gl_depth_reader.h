@@ -1,9 +1,12 @@
 // Reads the depth of the bound framebuffer, with or without multisampling.
 #pragma once
 
-#include <occlude/backends/gl/gl_object.h>
+#include <occlude/backends/gl/detail/gl_object.h>
 #include <occlude/core/query_device.h>
 
+#include <glm/vec2.hpp>
+
+#include <cstdint>
 #include <memory>
 #include <span>
 

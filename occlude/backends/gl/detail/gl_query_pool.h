@@ -1,7 +1,7 @@
 // The ring of occlusion query objects behind a GlDevice's tickets.
 #pragma once
 
-#include <occlude/backends/gl/gl_object.h>
+#include <occlude/backends/gl/detail/gl_object.h>
 #include <occlude/core/query_device.h>
 
 #include <cstdint>
