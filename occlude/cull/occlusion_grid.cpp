@@ -44,9 +44,9 @@ CellRange OcclusionGrid::touched(const PixelRect& rect) const
     if (rect.width <= 0 || rect.height <= 0) {
         return {};
     }
-    return {{rect.x / cell_size_, rect.y / cell_size_},
-            {(rect.x + rect.width - 1) / cell_size_ + 1,
-             (rect.y + rect.height - 1) / cell_size_ + 1}};
+    return {
+        {rect.x / cell_size_, rect.y / cell_size_},
+        {(rect.x + rect.width - 1) / cell_size_ + 1, (rect.y + rect.height - 1) / cell_size_ + 1}};
 }
 
 CellRange OcclusionGrid::internal(const PixelRect& rect) const
