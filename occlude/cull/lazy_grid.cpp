@@ -289,10 +289,12 @@ bool LazyGrid::any_cell_is_free_with_pixel_query(CullFrame& frame, NodeId subjec
     });
 }
 
-bool LazyGrid::is_occluded(CullFrame& frame, const Entry& entry)
+// The first half of isOccluded: what the grid knows. Fills internal_ and border_ with the cells that
+// must be asked otherwise.
+LazyGrid::Verdict LazyGrid::verdict_without_pixels(const Entry& entry)
 {
     if (!entry.bounds.valid) {
-        return false;
+        return Verdict::visible;
     }
     const float depth = depth_to_beat(entry.bounds);
     const PixelRect& rect = entry.bounds.rect;
@@ -300,9 +302,21 @@ bool LazyGrid::is_occluded(CullFrame& frame, const Entry& entry)
     const bool large = options_.internal_above_pixels > 0 &&
                        static_cast<uint64_t>(area(rect)) >= options_.internal_above_pixels;
     const CellRange internal = large ? touched : grid_.internal(rect);
-    return !internal_cell_is_free_without_pixel_query(internal, depth) &&
-           !border_cell_is_free_without_pixel_query(touched, internal, rect, depth) &&
-           !any_cell_is_free_with_pixel_query(frame, entry.node, internal_, depth) &&
+    if (internal_cell_is_free_without_pixel_query(internal, depth) ||
+        border_cell_is_free_without_pixel_query(touched, internal, rect, depth)) {
+        return Verdict::visible;
+    }
+    return internal_.empty() && border_.empty() ? Verdict::occluded : Verdict::needs_pixels;
+}
+
+bool LazyGrid::is_occluded(CullFrame& frame, const Entry& entry)
+{
+    const Verdict verdict = verdict_without_pixels(entry);
+    if (verdict != Verdict::needs_pixels) {
+        return verdict == Verdict::occluded;
+    }
+    const float depth = depth_to_beat(entry.bounds);
+    return !any_cell_is_free_with_pixel_query(frame, entry.node, internal_, depth) &&
            !any_cell_is_free_with_pixel_query(frame, entry.node, border_, depth);
 }
 
@@ -362,7 +376,33 @@ void LazyGrid::draw(CullFrame& frame, const Entry& entry)
 
 void LazyGrid::test(CullFrame& frame, const Entry& entry)
 {
-    if (is_occluded(frame, entry)) {
+    const Verdict verdict = verdict_without_pixels(entry);
+    if (verdict != Verdict::needs_pixels) {
+        handle(frame, entry, verdict);
+        return;
+    }
+    waiting_.push_back(entry);
+    if (waiting_.size() >= options_.tests_at_once) {
+        test_waiting(frame);
+    }
+}
+
+// All of them first, so that nothing is drawn between one look at pixels and the next.
+void LazyGrid::test_waiting(CullFrame& frame)
+{
+    verdicts_.clear();
+    for (const Entry& entry : waiting_) {
+        verdicts_.push_back(is_occluded(frame, entry) ? Verdict::occluded : Verdict::visible);
+    }
+    for (size_t i = 0; i < waiting_.size(); ++i) {
+        handle(frame, waiting_[i], verdicts_[i]);
+    }
+    waiting_.clear();
+}
+
+void LazyGrid::handle(CullFrame& frame, const Entry& entry, Verdict verdict)
+{
+    if (verdict == Verdict::occluded) {
         frame.decide(entry.node, Decision::hidden);
         return;
     }
@@ -382,12 +422,23 @@ void LazyGrid::test(CullFrame& frame, const Entry& entry)
     }
 }
 
+float LazyGrid::nearest_untested() const
+{
+    float nearest = Aabb::kInfinity;
+    if (!test_list_.empty()) {
+        nearest = test_list_.front().bounds.near_depth;
+    }
+    for (const Entry& entry : waiting_) {
+        nearest = std::min(nearest, entry.bounds.near_depth);
+    }
+    return nearest;
+}
+
 // With equal depths the test comes first: what is drawn is then wholly nearer than what is not
 // tested yet, as the occlusion buffer needs it.
 bool LazyGrid::draw_comes_first() const
 {
-    return !draw_list_.empty() && (test_list_.empty() || draw_list_.front().bounds.far_depth <
-                                                             test_list_.front().bounds.near_depth);
+    return !draw_list_.empty() && draw_list_.front().bounds.far_depth < nearest_untested();
 }
 
 void LazyGrid::cull_frame(CullFrame& frame)
@@ -395,12 +446,15 @@ void LazyGrid::cull_frame(CullFrame& frame)
     grid_.reset(frame.view().size_px(), static_cast<int>(options_.cell_size));
     test_list_.clear();
     draw_list_.clear();
+    waiting_.clear();
     insert(frame, hierarchy().root(), Frustum::kAllPlanes);
-    while (!test_list_.empty() || !draw_list_.empty()) {
+    while (!test_list_.empty() || !draw_list_.empty() || !waiting_.empty()) {
         if (draw_comes_first()) {
             draw(frame, pop(draw_list_, by_farthest_depth));
-        } else {
+        } else if (!test_list_.empty()) {
             test(frame, pop(test_list_, by_nearest_depth));
+        } else {
+            test_waiting(frame);
         }
     }
 }

@@ -212,6 +212,8 @@ TEST(Exactness, LazyGridWithEachPartSwitched)
         {{"source", "queries"}, {"whole_cell_share", "0.4"}},
         {{"join", "rows"}},
         {{"join", "target"}, {"update", "busy"}},
+        {{"tests_at_once", "8"}},
+        {{"tests_at_once", "8"}, {"join", "rows"}, {"variant", "occlusion_buffer"}},
         {{"free_below_covered", "0.6"}},
         {{"whole_cell_share", "0.5"}},
         {{"whole_cell_share", "0.5"}, {"join", "rows"}},
