@@ -30,6 +30,11 @@ public:
     {
         boxes_.push_back({inflated_box, nullptr, subject});
     }
+    /// ... in the space of `world_from_box`, which must live until the batch was asked.
+    void add_box(const Aabb& inflated_box, const glm::mat4& world_from_box, NodeId subject)
+    {
+        boxes_.push_back({inflated_box, &world_from_box, subject});
+    }
     /// Ends the test being collected. Precondition: it has a box.
     void end_test() { ends_.push_back(static_cast<uint32_t>(boxes_.size())); }
 
