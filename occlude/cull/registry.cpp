@@ -5,6 +5,7 @@
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/stop_and_wait.h>
+#include <occlude/cull/two_phase.h>
 
 #include <charconv>
 #include <limits>
@@ -173,6 +174,10 @@ std::vector<AlgorithmInfo> make_table()
     table.push_back(describe<ChcPlusPlus, ChcPlusPlusOptions>(
         "chc_plus_plus", "Mattausch, Bittner, Wimmer 2008",
         "CHC with batched tests, multiqueries and tight bounds", tests));
+    table.push_back(describe<TwoPhase, TwoPhaseOptions>(
+        "two_phase", "Greene, Kass, Miller 1993; Haar, Aaltonen 2015",
+        "draws what was visible last frame, then tests the rest against its depth on the CPU",
+        Needs{.depth_read = true}));
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(
