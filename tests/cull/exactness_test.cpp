@@ -194,11 +194,29 @@ TEST(Exactness, ChcPlusPlusWithEachPartSwitched)
     }
 }
 
+TEST(Exactness, TwoPhase)
+{
+    expect_exact({.algorithm = "two_phase"});
+}
+TEST(Exactness, TwoPhaseWithEachPartSwitched)
+{
+    const std::vector<OptionValue> switches{{"virtual_leaves", "true"},
+                                            {"refine", "false"},
+                                            {"reread_triangles", "0"},
+                                            {"reread_triangles", "200"},
+                                            {"final_depth", "true"}};
+    for (const OptionValue& option : switches) {
+        SCOPED_TRACE(option.first + "=" + option.second);
+        expect_exact({.algorithm = "two_phase", .options = {option}});
+    }
+}
+
 TEST(Exactness, InEveryClipConvention)
 {
     for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
         for (const DepthOrder order : {DepthOrder::near_is_small, DepthOrder::near_is_large}) {
             expect_exact({.algorithm = "chc_plus_plus", .convention = {range, order}});
+            expect_exact({.algorithm = "two_phase", .convention = {range, order}});
         }
     }
 }
@@ -207,6 +225,8 @@ TEST(Exactness, AtOtherSizes)
 {
     expect_exact({.algorithm = "chc_plus_plus", .size = {320, 180}});
     expect_exact({.algorithm = "stop_and_wait", .size = {67, 211}});
+    expect_exact({.algorithm = "two_phase", .size = {67, 211}});
+    expect_exact({.algorithm = "two_phase", .size = {256, 128}});
 }
 
 TEST(Exactness, WhileEverythingMoves)
@@ -214,6 +234,7 @@ TEST(Exactness, WhileEverythingMoves)
     expect_exact({.algorithm = "stop_and_wait", .moving = true});
     expect_exact({.algorithm = "chc", .moving = true});
     expect_exact({.algorithm = "chc_plus_plus", .moving = true});
+    expect_exact({.algorithm = "two_phase", .moving = true});
 }
 
 TEST(Exactness, WithLateAndLostAnswers)

@@ -14,6 +14,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -56,8 +58,30 @@ const std::vector<Case>& cases()
         {"chc_plus_plus", {{"multiqueries", "off"}}},
         {"chc_plus_plus", {{"multiqueries", "analytic"}}},
         {"chc_plus_plus", {{"depth_only_pass", "true"}}},
+        {"two_phase", {}},
+        {"two_phase", {{"virtual_leaves", "true"}, {"refine", "false"}}},
+        {"two_phase", {{"reread_triangles", "1000"}, {"final_depth", "true"}}},
     };
     return all;
+}
+
+std::vector<Case> cases_with_queries()
+{
+    std::vector<Case> with_queries;
+    std::copy_if(cases().begin(), cases().end(), std::back_inserter(with_queries),
+                 [](const Case& c) { return find_algorithm(c.algorithm)->needs.queries; });
+    return with_queries;
+}
+
+// Depth for algorithms that read it: tiles of 8x8 pixels, near and far at random.
+bool tiled_depth(uint64_t frame, const PixelRect& rect, std::span<float> out)
+{
+    for (size_t i = 0; i < out.size(); ++i) {
+        const uint64_t x = static_cast<uint64_t>(rect.x) + i % static_cast<size_t>(rect.width);
+        const uint64_t y = static_cast<uint64_t>(rect.y) + i / static_cast<size_t>(rect.width);
+        out[i] = hash64(frame / 5, x / 8, y / 8) % 4 == 0 ? 1.0f : 0.995f;
+    }
+    return true;
 }
 
 // A camera that walks through the boxes, turns by 90 degrees and jumps.
@@ -91,12 +115,19 @@ protected:
     {
         DeviceScript script{.boxes = test::consistent_visibility(tree_, 9, frame_, share)};
         script.caps.draw_and_query = true;
+        script.caps.read_depth = true;
+        script.depth = [this](const PixelRect& rect, std::span<float> out) {
+            return tiled_depth(frame_, rect, out);
+        };
         return script;
     }
 
     const Hierarchy tree_ = test::random_bvh(600, 21);
     uint64_t frame_ = 0;
 };
+
+/// Those whose hidden nodes a test of the device has found.
+class QueryInvariants : public Invariants {};
 
 TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
 {
@@ -116,7 +147,7 @@ TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
     EXPECT_EQ(violations, std::vector<std::string>{}); // I3 is C10, I5 is C5
 }
 
-TEST_P(Invariants, EveryItemInTheFrustumIsDrawnOrCoveredByATestOfThisFrame)
+TEST_P(QueryInvariants, EveryItemInTheFrustumIsDrawnOrCoveredByATestOfThisFrame)
 {
     ScriptedDevice device(script());
     const auto culler = make();
@@ -208,7 +239,7 @@ TEST_P(Invariants, TheReportAgreesWithACountFromOutside)
     }
 }
 
-TEST_P(Invariants, LostAnswersOnlyMakeMoreVisible)
+TEST_P(QueryInvariants, LostAnswersOnlyMakeMoreVisible)
 {
     DeviceScript lossy = script();
     lossy.latency = [](uint64_t test) { return test % 3 == 0 ? Latency::lost() : Latency{}; };
@@ -235,6 +266,7 @@ TEST_P(Invariants, ADeviceWithoutAnswersInTheSameFrameDrawsEverything)
 {
     DeviceScript slow = script();
     slow.caps.same_frame_results = false;
+    slow.caps.read_depth = false;
     ScriptedDevice device(slow);
     const auto culler = make();
     for (frame_ = 0; frame_ < 4; ++frame_) {
@@ -313,6 +345,7 @@ TEST_P(Invariants, AResetForgetsEverything)
 }
 
 INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Cull, QueryInvariants, ::testing::ValuesIn(cases_with_queries()), name_of);
 
 template <class C>
 void expect_visible_nodes_have_visible_ancestors(C& culler, const Hierarchy& tree)
