@@ -60,7 +60,8 @@ CLI::Validator whole_number()
 void add_stage_options(CLI::App& app, RawStage& raw)
 {
     StageOptions& stage = raw.stage;
-    app.add_option("--hierarchy", stage.hierarchy, "How the scene is organised: bvh")
+    app.add_option("--hierarchy", stage.hierarchy,
+                   "How the scene is organised: " + hierarchy_names())
         ->capture_default_str();
     app.add_option("--device", raw.device,
                    "Who draws and tests: gl or cpu (default: gl, or cpu where there is no OpenGL)");

@@ -4,6 +4,7 @@
 #include "scenes/scene_source.h"
 
 #include <occlude/cull/registry.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <fmt/format.h>
 
@@ -23,6 +24,15 @@ std::string list_algorithms()
             text += fmt::format("    --set {}.{}={}  {}\n", info.name, option.name,
                                 option.default_value, option.description);
         }
+    }
+    return text;
+}
+
+std::string list_hierarchies()
+{
+    std::string text;
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        text += fmt::format("{}\n    {}\n", kind.name, kind.summary);
     }
     return text;
 }
@@ -63,7 +73,7 @@ Result<std::string> list_text(const ListOptions& options)
         return list_algorithms();
     }
     if (options.what == "hierarchies") {
-        return std::string{"bvh\n    bounding volume hierarchy, binned surface area heuristic\n"};
+        return list_hierarchies();
     }
     if (options.what == "devices") {
         return std::string{"gl\n    OpenGL without a window; a software driver where there is no "

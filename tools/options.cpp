@@ -1,5 +1,7 @@
 #include "options.h"
 
+#include <occlude/hierarchy/hierarchy_kinds.h>
+
 #include <fmt/format.h>
 
 #include <charconv>
@@ -65,6 +67,16 @@ Result<SetOption> parse_set(std::string_view text)
     return SetOption{std::string{text.substr(0, dot)},
                      std::string{text.substr(dot + 1, equals - dot - 1)},
                      std::string{text.substr(equals + 1)}};
+}
+
+std::string hierarchy_names()
+{
+    std::string names;
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        names += names.empty() ? "" : ", ";
+        names += kind.name;
+    }
+    return names;
 }
 
 std::vector<std::string> split_commas(std::string_view text)

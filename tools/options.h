@@ -82,6 +82,9 @@ struct SetOption {
 };
 Result<SetOption> parse_set(std::string_view text);
 
+/// "bvh, bsp": the names that --hierarchy takes.
+std::string hierarchy_names();
+
 /// The parts between commas; empty parts are kept.
 std::vector<std::string> split_commas(std::string_view text);
 

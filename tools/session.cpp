@@ -1,5 +1,7 @@
 #include "session.h"
 
+#include <occlude/hierarchy/hierarchy_kinds.h>
+
 #include <fmt/format.h>
 
 #include <ostream>
@@ -14,8 +16,8 @@ Result<bool> check_stage_options(const StageOptions& options)
                      fmt::format("{}: '{}' is not available in this version; choose {}", option,
                                  value, choices)};
     };
-    if (options.hierarchy != "bvh") {
-        return unknown("--hierarchy", options.hierarchy, "bvh");
+    if (find_hierarchy_kind(options.hierarchy) == nullptr) {
+        return unknown("--hierarchy", options.hierarchy, hierarchy_names());
     }
     if (options.test != "queries") {
         return unknown("--test", options.test, "queries");
@@ -36,7 +38,8 @@ Session::Session(SceneModel model, const StageOptions& options)
     : options_(options)
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
-    , hierarchy_(build_bvh(scene_.scene.item_bounds(), {.leaf_triangles = options.leaf_triangles}))
+    , hierarchy_(find_hierarchy_kind(options.hierarchy)
+                     ->build(scene_.scene.item_bounds(), options.leaf_triangles))
 {
 }
 

@@ -5,6 +5,7 @@
 #include <occlude/core/rng.h>
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/frustum_culler.h>
+#include <occlude/device/validating_device.h>
 #include <occlude/hierarchy/bvh_builder.h>
 
 #include <glm/ext/matrix_clip_space.hpp>
@@ -44,6 +45,8 @@ int main()
     ChcPlusPlus culler{hierarchy};
     FrustumCuller reference{hierarchy};
     minimal_engine::RayDevice device{town};
+    // Asserts every line of the device contract: use one while you write a device of your own.
+    ValidatingDevice checked{device};
 
     const glm::ivec2 size{96, 54};
     const glm::mat4 clip_from_view =
@@ -60,9 +63,9 @@ int main()
         const glm::mat4 view_from_world = glm::lookAt(eye, target, {0.0f, 1.0f, 0.0f});
         const View view = View::from_clip(clip_from_view * view_from_world, size);
 
-        const FrameReport report = culler.cull(view, device);
+        const FrameReport report = culler.cull(view, checked);
         const std::vector<ItemId> image = device.image();
-        const FrameReport everything = reference.cull(view, device);
+        const FrameReport everything = reference.cull(view, checked);
 
         drawn += report.counters.items_drawn;
         drawn_by_reference += everything.counters.items_drawn;

@@ -54,7 +54,7 @@ Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
     const glm::vec3 half = 0.5f * box.extent();
     // Rounding of centre, extent and dot product: a few ulps of the largest term.
     constexpr float kSlop = 1e-6f;
-    for (int i = 0; i < plane_count; ++i) {
+    for (size_t i = 0; i < plane_count; ++i) {
         const PlaneMask bit = static_cast<PlaneMask>(1u << i);
         if ((mask & bit) == 0) {
             continue;

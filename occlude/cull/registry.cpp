@@ -4,6 +4,7 @@
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/oracle_cullers.h>
+#include <occlude/cull/statistical.h>
 #include <occlude/cull/stop_and_wait.h>
 #include <occlude/cull/two_phase.h>
 
@@ -178,6 +179,9 @@ std::vector<AlgorithmInfo> make_table()
         "two_phase", "Greene, Kass, Miller 1993; Haar, Aaltonen 2015",
         "draws what was visible last frame, then tests the rest against its depth on the CPU",
         Needs{.depth_read = true}));
+    table.push_back(describe<Statistical, StatisticalOptions>(
+        "statistical", "Kovalcik, Sochor 2005",
+        "what was visible lately is drawn untested, the longer the more often it was", tests));
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(

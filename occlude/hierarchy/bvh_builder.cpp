@@ -59,12 +59,23 @@ struct Bin {
         weight += other.weight;
         items += other.items;
     }
-    double cost() const
-    {
-        const glm::dvec3 e = glm::dvec3{box.max} - glm::dvec3{box.min};
-        return (e.x * e.y + e.y * e.z + e.z * e.x) * static_cast<double>(weight);
-    }
 };
+
+// What a box costs: its area, or its length where all boxes of the node lie on one line and no area
+// could tell splits apart.
+enum class Measure { area, length };
+
+double measure_of(const Aabb& box, Measure measure)
+{
+    const glm::dvec3 e = glm::dvec3{box.max} - glm::dvec3{box.min};
+    return measure == Measure::area ? e.x * e.y + e.y * e.z + e.z * e.x : e.x + e.y + e.z;
+}
+
+double cost(const Bin& bin, Measure measure)
+{
+    return bin.items > 0 ? measure_of(bin.box, measure) * static_cast<double>(bin.weight)
+                         : Aabb::kInfinity; // such a split does not split
+}
 
 // Maps centres to bins, per axis. An axis on which all centres coincide, or whose extent is too
 // small or too large for float, has scale 0: everything falls into bin 0.
@@ -94,8 +105,11 @@ struct Binning {
     }
 };
 
+// Room for `capacity` bins per axis: most nodes are small, and clearing bins that they cannot fill
+// would cost more than the rest.
+template <size_t capacity>
 struct Bins {
-    std::array<std::array<Bin, kMaxBins>, 3> bins; // [axis][bin]
+    std::array<std::array<Bin, capacity>, 3> bins; // [axis][bin]
 
     void add(Primitives primitives, const Binning& binning)
     {
@@ -177,7 +191,9 @@ private:
             // More bins than items find nothing more.
             const auto few = static_cast<uint32_t>(std::min<size_t>(primitives.size(), bins_));
             const Binning binning(centers, few);
-            const Split best = best_split(primitives, binning);
+            const Split best = few <= 4    ? best_split<4>(primitives, binning)
+                               : few <= 16 ? best_split<16>(primitives, binning)
+                                           : best_split<kMaxBins>(primitives, binning);
             if (best.axis >= 0) {
                 const auto middle =
                     std::partition(primitives.begin(), primitives.end(), [&](const Primitive& p) {
@@ -200,9 +216,16 @@ private:
     }
 
     // The split between bins with the least area * triangles on both sides.
+    template <size_t capacity>
     static Split best_split(Primitives primitives, const Binning& binning)
     {
-        const Bins all = fill_bins(primitives, binning);
+        const auto all = fill_bins<capacity>(primitives, binning);
+        Bin whole;
+        for (uint32_t i = 0; i < binning.count; ++i) {
+            whole.add(all.bins[0][i]);
+        }
+        const Measure measure =
+            measure_of(whole.box, Measure::area) > 0.0 ? Measure::area : Measure::length;
         Split best;
         double best_cost = Aabb::kInfinity;
         for (int axis = 0; axis < 3; ++axis) {
@@ -210,17 +233,18 @@ private:
                 continue;
             }
             const auto& bins = all.bins[static_cast<size_t>(axis)];
-            std::array<double, kMaxBins> right_cost;
+            std::array<double, capacity> right_cost;
             Bin right;
             for (uint32_t i = binning.count - 1; i > 0; --i) {
                 right.add(bins[i]);
-                right_cost[i] = right.items > 0 ? right.cost() : Aabb::kInfinity;
+                right_cost[i] = cost(right, measure);
             }
             Bin left;
             for (uint32_t i = 1; i < binning.count; ++i) {
                 left.add(bins[i - 1]);
-                if (left.items > 0 && left.cost() + right_cost[i] < best_cost) {
-                    best_cost = left.cost() + right_cost[i];
+                const double here = cost(left, measure) + right_cost[i];
+                if (here < best_cost) {
+                    best_cost = here;
                     best = {axis, i};
                 }
             }
@@ -228,20 +252,22 @@ private:
         return best;
     }
 
-    static Bins fill_bins(Primitives primitives, const Binning& binning)
+    template <size_t capacity>
+    static Bins<capacity> fill_bins(Primitives primitives, const Binning& binning)
     {
+        using Filled = Bins<capacity>;
         if (primitives.size() < kParallelBinning) {
-            Bins bins;
+            Filled bins;
             bins.add(primitives, binning);
             return bins;
         }
         return tbb::parallel_reduce(
-            tbb::blocked_range<size_t>(0, primitives.size(), kParallelBinning / 4), Bins{},
-            [&](const tbb::blocked_range<size_t>& range, Bins bins) {
+            tbb::blocked_range<size_t>(0, primitives.size(), kParallelBinning / 4), Filled{},
+            [&](const tbb::blocked_range<size_t>& range, Filled bins) {
                 bins.add(primitives.subspan(range.begin(), range.size()), binning);
                 return bins;
             },
-            [&](Bins a, const Bins& b) {
+            [&](Filled a, const Filled& b) {
                 a.add(b, binning.count);
                 return a;
             });

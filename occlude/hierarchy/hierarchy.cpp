@@ -154,9 +154,11 @@ static std::string check_derived(const Hierarchy& hierarchy)
         if (node.subtree_triangles != triangle_sum(node, nodes, item_bounds)) {
             return sentence(id, "does not count the triangles of its subtree");
         }
-        if (node.leaf > 1 || (node.child_count == 0 && node.leaf == 0)) {
-            return sentence(id,
-                            "has no children but is not a leaf, or its leaf mark is not 0 or 1");
+        if (node.leaf > 1) {
+            return sentence(id, "has a leaf mark that is neither 0 nor 1");
+        }
+        if (node.child_count == 0 && node.leaf == 0) {
+            return sentence(id, "has no children but is not a leaf");
         }
         if (id > 0) {
             const size_t parent = node.parent.value;

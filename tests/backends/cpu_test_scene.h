@@ -139,23 +139,39 @@ inline glm::mat4 random_transform(Rng& rng)
     return glm::scale(m, {mirror * scale, scale * rng.range(0.5f, 2.0f), scale});
 }
 
-// Clusters, needles, axis-aligned walls (flat, flush with their boxes) and specks of about a pixel.
+// A flat axis-aligned wall that fills its box, of up to 8 x 8 cells: the vertices along its sides
+// are snapped one by one, while its box has only the corners.
+inline TestMesh random_wall(Rng& rng)
+{
+    TestMesh mesh;
+    const glm::vec3 low = random_point(rng, 6.0f);
+    const float side = rng.range(0.5f, 5.0f);
+    const int axis_u = static_cast<int>(rng.below(3));
+    const int axis_v = (axis_u + 1) % 3;
+    const uint32_t cells = 1 + rng.below(8);
+    for (uint32_t v = 0; v <= cells; ++v) {
+        for (uint32_t u = 0; u <= cells; ++u) {
+            glm::vec3 p = low;
+            p[axis_u] += side * static_cast<float>(u) / static_cast<float>(cells);
+            p[axis_v] += side * static_cast<float>(v) / static_cast<float>(cells);
+            mesh.positions.push_back(p);
+            if (u < cells && v < cells) {
+                const uint32_t i = v * (cells + 1) + u;
+                const uint32_t above = i + cells + 1;
+                mesh.indices.insert(mesh.indices.end(), {i, i + 1, above + 1, i, above + 1, above});
+            }
+        }
+    }
+    return mesh;
+}
+
+// Clusters, needles, walls and specks of about a pixel.
 inline TestMesh random_mesh(Rng& rng)
 {
     TestMesh mesh;
     const uint32_t kind = rng.below(8);
     if (kind == 0) {
-        const glm::vec3 c = random_point(rng, 6.0f);
-        const float r = rng.range(0.5f, 3.0f);
-        const uint32_t flat_axis = rng.below(3);
-        for (uint32_t corner = 0; corner < 4; ++corner) {
-            glm::vec3 p = c;
-            p[static_cast<int>((flat_axis + 1) % 3)] += corner % 3 == 0 ? -r : r;
-            p[static_cast<int>((flat_axis + 2) % 3)] += corner < 2 ? -r : r;
-            mesh.positions.push_back(p);
-        }
-        mesh.indices = {0, 1, 2, 0, 2, 3};
-        return mesh;
+        return random_wall(rng);
     }
     mesh.world_from_mesh = random_transform(rng);
     const float extent = kind <= 3 ? rng.range(0.004f, 0.02f) : 1.0f;

@@ -267,6 +267,17 @@ std::optional<float> unit_in_file(const aiScene& scene)
     return factor > 1e-6f && factor < 1e6f ? std::optional<float>{100.0f / factor} : std::nullopt;
 }
 
+/// Which formats are in metres by their definition, or made so by Assimp.
+UnitSource unit_source(const std::string& file)
+{
+    std::string extension = fs::path(file).extension().string();
+    for (char& c : extension) {
+        c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    }
+    const bool says_metres = extension == ".glb" || extension == ".gltf" || extension == ".dae";
+    return says_metres ? UnitSource::metres : UnitSource::unknown;
+}
+
 SceneModel convert(const aiScene& scene, const std::string& file, const SceneOptions& options)
 {
     SceneModel model;
@@ -281,7 +292,11 @@ SceneModel convert(const aiScene& scene, const std::string& file, const SceneOpt
         }
     }
     add_instances(scene, mesh_of, model);
-    model.unit = unit_in_file(scene).value_or(guess_unit(model));
+    if (const auto unit = unit_in_file(scene)) {
+        model.unit = *unit;
+    } else {
+        model.unit = guess_unit(model, unit_source(file));
+    }
     return model;
 }
 
@@ -314,10 +329,45 @@ Result<SceneModel> load(const std::string& file, const SceneOptions& options)
 
 } // namespace
 
-float guess_unit(const SceneModel& model)
+float guess_unit(const SceneModel& model, UnitSource source)
 {
-    (void)model;
-    return 1.0f;
+    // A metre is not believed where ...
+    constexpr float kLargestScene = 20000.0f; // ... a scene would be longer than this,
+    constexpr float kLongShortEdge = 20.0f;   // ... or nine edges of ten were longer than this.
+    constexpr float kLargeUnsaid = 1000.0f;   // Where nobody said metres, less is suspicious:
+    constexpr float kLongEdge = 8.0f;         // a large scene with a long median edge.
+    constexpr float kTypicalEdge = 2.0f;      // metres
+    constexpr uint64_t kSamples = 100000;
+
+    const uint64_t stride = drawn_triangles(model) / kSamples + 1;
+    uint64_t triangle = 0;
+    std::vector<float> edges;
+    for (const Instance& instance : model.instances) {
+        const Mesh& mesh = model.meshes[instance.mesh];
+        const uint64_t count = mesh.indices.size() / 3;
+        for (uint64_t i = (stride - triangle % stride) % stride; i < count; i += stride) {
+            glm::vec3 corners[3];
+            for (uint64_t k = 0; k < 3; ++k) {
+                const glm::vec3& p = mesh.positions[mesh.indices[3 * i + k]];
+                corners[k] = glm::vec3{instance.world_from_mesh * glm::vec4{p, 1.0f}};
+            }
+            edges.push_back(std::max({glm::distance(corners[0], corners[1]),
+                                      glm::distance(corners[1], corners[2]),
+                                      glm::distance(corners[2], corners[0])}));
+        }
+        triangle += count;
+    }
+    if (edges.empty()) {
+        return 1.0f;
+    }
+    std::sort(edges.begin(), edges.end());
+    const float short_edge = edges[edges.size() / 10];
+    const float median = edges[edges.size() / 2];
+    const float size = glm::length(world_bounds(model).extent());
+    const bool absurd = size > kLargestScene || short_edge > kLongShortEdge;
+    const bool suspicious =
+        source == UnitSource::unknown && size > kLargeUnsaid && median > kLongEdge;
+    return absurd || suspicious ? std::exp2(std::round(std::log2(median / kTypicalEdge))) : 1.0f;
 }
 
 Result<SceneModel> load_with_assimp(const std::string& file, const SceneOptions& options)

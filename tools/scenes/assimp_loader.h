@@ -14,9 +14,13 @@ namespace occlude::tools {
 /// are believed unless the size is absurd; see guess_unit().
 Result<SceneModel> load_with_assimp(const std::string& file, const SceneOptions& options = {});
 
-/// Units per metre of a scene that does not say, or is not to be believed, from the length of the
-/// edges of its triangles: the drawn triangles of houses, rooms and streets made in metres have a
-/// median edge of centimetres to some ten metres.
-float guess_unit(const SceneModel& model);
+/// What is known of a file's unit of length.
+enum class UnitSource { metres, unknown };
+
+/// Units per metre. A file that says metres is believed (1), unless the scene were longer than
+/// 20 km or nine of ten triangles larger than 20 m; one that says nothing is taken for metres too,
+/// unless it is longer than 1 km with triangles of 8 m and more. Then the power of two is returned
+/// that brings the triangles' median edge nearest to 2 m: 32 for levels made like Quake's.
+float guess_unit(const SceneModel& model, UnitSource source);
 
 } // namespace occlude::tools

@@ -58,9 +58,9 @@ std::vector<Keyframe> roof_keys(const CityStreets& streets)
         Keyframe key;
         key.time = 15.0f * static_cast<float>(i);
         const float bow = 4.0f * t * (1.0f - t);
-        key.camera.eye = {half * (1.2f * t - 0.6f), 1.55f * half + 60.0f,
-                          half * (1.5f - 0.15f * bow) + 40.0f};
-        key.camera.target = {0.1f * half * (2.0f * t - 1.0f), 0.0f, 0.08f * half};
+        key.camera.eye = {half * (0.8f * t - 0.4f), 1.25f * half + 60.0f,
+                          half * (0.55f - 0.15f * bow)};
+        key.camera.target = {0.3f * half * (2.0f * t - 1.0f), 0.0f, 0.03f * half};
         keys.push_back(key);
     }
     return keys;

@@ -58,28 +58,34 @@ std::vector<glm::vec3> resampled(std::span<const glm::vec3> points, float spacin
 
 std::vector<Keyframe> walk_along(std::span<const glm::vec3> points, const WalkStyle& style)
 {
+    // The heading follows the way ahead with a short lag, so that hairpins become quick turns.
+    constexpr float kFollow = 0.35f;
+    constexpr float kTooNear = 0.4f; // of look_ahead: the way turns back, the heading waits
     const std::vector<glm::vec3> eyes = resampled(points, style.key_distance);
     const auto ahead =
         std::max(size_t{1}, static_cast<size_t>(style.look_ahead / style.key_distance));
     std::vector<Keyframe> keys;
+    glm::vec3 heading{0.0f};
     float time = 0.0f;
     for (size_t i = 0; i < eyes.size(); ++i) {
         if (i > 0) {
             time += glm::distance(eyes[i - 1], eyes[i]) / style.speed;
         }
-        glm::vec3 target;
-        if (i + ahead < eyes.size()) {
-            target = eyes[i + ahead];
-        } else { // beyond the end of the path the last direction goes on
-            const size_t before = eyes.size() > ahead ? eyes.size() - 1 - ahead : 0;
-            const glm::vec3 last = eyes.back() - eyes[before];
-            const auto beyond = static_cast<float>(i + ahead - (eyes.size() - 1));
-            target = eyes.back() + last * (beyond / static_cast<float>(ahead));
+        const glm::vec3 way = eyes[std::min(i + ahead, eyes.size() - 1)] - eyes[i];
+        const float distance = glm::length(way);
+        if (i == 0) {
+            heading = distance > 0.0f ? way / distance : points[1] - points[0];
+        } else if (distance > kTooNear * style.look_ahead) {
+            glm::vec3 turned = glm::mix(heading, way / distance, kFollow);
+            if (glm::dot(heading, way) < -0.9f * distance) {
+                turned += 0.5f * glm::cross(style.up, heading); // straight back: turn leftward
+            }
+            heading = glm::normalize(turned);
         }
         Keyframe key;
         key.time = time;
         key.camera.eye = eyes[i];
-        key.camera.target = target;
+        key.camera.target = eyes[i] + style.look_ahead * heading;
         key.camera.up = style.up;
         key.camera.fov_y = style.fov_y;
         keys.push_back(key);

@@ -25,8 +25,8 @@ std::vector<glm::vec3> rounded(std::span<const glm::vec3> corners, float cut);
 /// Points at even distances of about `spacing` along the polyline, both ends among them.
 std::vector<glm::vec3> resampled(std::span<const glm::vec3> points, float spacing);
 
-/// Keys along a polyline of eye positions, looking ahead along it. At the end the camera looks on
-/// straight ahead. Precondition: at least two different points.
+/// Keys along a polyline of eye positions, looking ahead along it; near the end and where the path
+/// turns back the heading stays as it was. Precondition: at least two different points.
 std::vector<Keyframe> walk_along(std::span<const glm::vec3> points, const WalkStyle& style);
 
 /// The same walk cut into eight pieces that are played in another order; in the second half of each

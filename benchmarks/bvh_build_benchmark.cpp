@@ -1,0 +1,185 @@
+// How long a tree over random boxes takes to build and to refit, and what it is worth: the cost by
+// the surface area heuristic, beside Embree's trees over the same boxes on as many threads.
+#include <occlude/core/rng.h>
+#include <occlude/hierarchy/bvh_builder.h>
+
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#ifdef OCCLUDE_HAS_EMBREE
+#include <embree3/rtcore.h>
+#endif
+
+namespace occlude {
+namespace {
+
+constexpr int kThreads = 2;
+
+std::vector<ItemBounds> random_items(size_t count)
+{
+    Rng rng(1);
+    std::vector<ItemBounds> items(count);
+    for (ItemBounds& item : items) {
+        for (int axis = 0; axis < 3; ++axis) {
+            item.box.min[axis] = rng.range(0.0f, 1000.0f);
+            item.box.max[axis] = item.box.min[axis] + rng.range(0.0f, 4.0f);
+        }
+        item.triangles = 1; // so that both builders minimise the same cost
+    }
+    return items;
+}
+
+void build_ours(benchmark::State& state)
+{
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, kThreads);
+    const std::vector<ItemBounds> items = random_items(static_cast<size_t>(state.range(0)));
+    Hierarchy tree;
+    for (auto _ : state) {
+        tree = build_bvh(items);
+    }
+    state.counters["sah_cost"] = sah_cost(tree);
+    if (const std::string problem = validate(tree); !problem.empty()) {
+        state.SkipWithError(problem.c_str());
+    }
+}
+
+void refit(benchmark::State& state)
+{
+    const std::vector<ItemBounds> items = random_items(static_cast<size_t>(state.range(0)));
+    Hierarchy tree = build_bvh(items);
+    for (auto _ : state) {
+        tree.refit(items);
+    }
+}
+
+#ifdef OCCLUDE_HAS_EMBREE
+
+// What Embree's callbacks build: enough of a tree to sum up its cost.
+struct EmbreeNode {
+    RTCBounds child_bounds[2];
+    EmbreeNode* children[2] = {nullptr, nullptr}; // both null: a leaf of one box
+};
+
+double area(const RTCBounds& b)
+{
+    const double x = double{b.upper_x} - b.lower_x;
+    const double y = double{b.upper_y} - b.lower_y;
+    const double z = double{b.upper_z} - b.lower_z;
+    return 2.0 * (x * y + y * z + z * x);
+}
+
+// Sum of the areas of the nodes below the root: with one box per leaf every node costs 1.
+double area_below(const EmbreeNode& node)
+{
+    double sum = 0.0;
+    for (int i = 0; i < 2; ++i) {
+        if (node.children[i] != nullptr) {
+            sum += area(node.child_bounds[i]) + area_below(*node.children[i]);
+        }
+    }
+    return sum;
+}
+
+void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*)
+{
+    return new (rtcThreadLocalAlloc(allocator, sizeof(EmbreeNode), 16)) EmbreeNode;
+}
+
+void set_children(void* node, void** children, unsigned count, void*)
+{
+    for (unsigned i = 0; i < count; ++i) {
+        static_cast<EmbreeNode*>(node)->children[i] = static_cast<EmbreeNode*>(children[i]);
+    }
+}
+
+void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*)
+{
+    for (unsigned i = 0; i < count; ++i) {
+        static_cast<EmbreeNode*>(node)->child_bounds[i] = *bounds[i];
+    }
+}
+
+void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive*, size_t, void*)
+{
+    return create_node(allocator, 0, nullptr);
+}
+
+std::vector<RTCBuildPrimitive> embree_primitives(std::span<const ItemBounds> items)
+{
+    std::vector<RTCBuildPrimitive> result(items.size());
+    for (size_t i = 0; i < items.size(); ++i) {
+        const Aabb& b = items[i].box;
+        result[i] = {b.min.x, b.min.y, b.min.z, 0,
+                     b.max.x, b.max.y, b.max.z, static_cast<unsigned>(i)};
+    }
+    return result;
+}
+
+void build_embree(benchmark::State& state)
+{
+    const std::vector<ItemBounds> items = random_items(static_cast<size_t>(state.range(0)));
+    const std::string config = "threads=" + std::to_string(kThreads);
+    const std::unique_ptr<RTCDeviceTy, decltype(&rtcReleaseDevice)> device(
+        rtcNewDevice(config.c_str()), rtcReleaseDevice);
+    const std::unique_ptr<RTCBVHTy, decltype(&rtcReleaseBVH)> bvh(rtcNewBVH(device.get()),
+                                                                  rtcReleaseBVH);
+    const std::vector<RTCBuildPrimitive> primitives = embree_primitives(items);
+    std::vector<RTCBuildPrimitive> scratch;
+
+    RTCBuildArguments arguments = rtcDefaultBuildArguments();
+    arguments.byteSize = sizeof(arguments);
+    arguments.buildQuality = static_cast<RTCBuildQuality>(state.range(1));
+    arguments.maxBranchingFactor = 2;
+    arguments.minLeafSize = 1;
+    arguments.maxLeafSize = 1;
+    arguments.bvh = bvh.get();
+    arguments.primitiveCount = primitives.size();
+    arguments.primitiveArrayCapacity = primitives.size();
+    arguments.createNode = create_node;
+    arguments.setNodeChildren = set_children;
+    arguments.setNodeBounds = set_bounds;
+    arguments.createLeaf = create_leaf;
+    const EmbreeNode* root = nullptr;
+    for (auto _ : state) {
+        scratch = primitives; // the build reorders them; ours copies them too
+        arguments.primitives = scratch.data();
+        root = static_cast<const EmbreeNode*>(rtcBuildBVH(&arguments));
+    }
+    if (root == nullptr) {
+        state.SkipWithError("Embree built no tree");
+        return;
+    }
+    Aabb scene;
+    for (const ItemBounds& item : items) {
+        scene = merge(scene, item.box);
+    }
+    state.counters["sah_cost"] = 1.0 + area_below(*root) / double{surface_area(scene)};
+}
+
+BENCHMARK(build_embree)
+    ->ArgNames({"boxes", "quality"})
+    ->ArgsProduct({{10000, 100000, 1000000}, {RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_MEDIUM}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+#endif
+
+BENCHMARK(build_ours)
+    ->ArgName("boxes")
+    ->RangeMultiplier(10)
+    ->Range(10000, 1000000)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(refit)
+    ->ArgName("boxes")
+    ->RangeMultiplier(10)
+    ->Range(10000, 1000000)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+} // namespace
+} // namespace occlude

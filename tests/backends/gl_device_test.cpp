@@ -1,0 +1,560 @@
+#include "backends/gl_fixture.h"
+
+#include <occlude/core/rng.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+
+namespace occlude::gl {
+namespace {
+
+// World space is clip space in most tests: x, y, z from -1 to 1, near at z = -1, and the quarter
+// [-0.5, 0.5] in x and y is 32 x 32 = 1024 pixels.
+const View kFlatView = View::from_clip(glm::mat4{1.0f}, {64, 64});
+constexpr Aabb kMiddle{{-0.5f, -0.5f, 0.2f}, {0.5f, 0.5f, 0.4f}};
+constexpr glm::vec2 kLow{-1.0f};
+constexpr glm::vec2 kHigh{1.0f};
+constexpr uint64_t kMiddlePixels = 1024;
+
+View perspective_view(glm::ivec2 size = {64, 64})
+{
+    const glm::mat4 projection = glm::perspective(1.0f, 1.0f, 0.1f, 1000.0f);
+    return View::from_clip(projection, size);
+}
+
+class GlDeviceTest : public GlFixture {};
+
+TEST_F(GlDeviceTest, CapsSayWhatItCan)
+{
+    const DeviceCaps& caps = device->caps();
+    EXPECT_EQ(caps.name, "gl");
+    EXPECT_TRUE(caps.same_frame_results);
+    EXPECT_TRUE(caps.exact_counts);
+    EXPECT_TRUE(caps.draw_and_query);
+    EXPECT_TRUE(caps.read_depth);
+    EXPECT_EQ(caps.max_outstanding, 4096u);
+    ASSERT_EQ(caps.methods.size(), 1u);
+    EXPECT_EQ(caps.methods[0].method, TestMethod::queries);
+    EXPECT_GT(caps.methods[0].us_per_test, 0.0f);
+}
+
+TEST_F(GlDeviceTest, VisibleBoxCountsItsFrontAndBackExactly)
+{
+    device->begin_frame(kFlatView);
+    EXPECT_EQ(count(kMiddle), 2 * kMiddlePixels);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, BoxCutByAWallCountsOnlyItsFront)
+{
+    const ItemId wall = scene->add_quad(kLow, kHigh, 0.3f);
+    device->begin_frame(kFlatView);
+    draw(wall);
+    EXPECT_EQ(count(kMiddle), kMiddlePixels);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, HiddenBoxCountsNothing)
+{
+    const ItemId wall = scene->add_quad(kLow, kHigh, 0.1f);
+    device->begin_frame(kFlatView);
+    draw(wall);
+    EXPECT_EQ(count(kMiddle), 0u);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, BoxSeenThroughOnePixelCountsIt)
+{
+    // A wall of two quads with a slit one pixel wide, before a box that is one pixel high there.
+    const float pixel = 2.0f / 64.0f;
+    const ItemId left = scene->add_quad(kLow, {0.0f, 1.0f}, 0.1f);
+    const ItemId right = scene->add_quad({pixel, -1.0f}, kHigh, 0.1f);
+    device->begin_frame(kFlatView);
+    draw(left);
+    draw(right);
+    EXPECT_EQ(count({{-0.5f, 0.0f, 0.2f}, {0.5f, pixel, 0.4f}}), 2u);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, TestSeesOnlyDrawsBeforeIt)
+{
+    const ItemId wall = scene->add_quad(kLow, kHigh, 0.1f);
+    device->begin_frame(kFlatView);
+    const Ticket before = ask(kMiddle);
+    draw(wall);
+    const Ticket after = ask(kMiddle);
+    device->flush();
+    EXPECT_EQ(device->wait(before).samples, 2 * kMiddlePixels);
+    EXPECT_EQ(device->wait(after).samples, 0u);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, TestsWriteNeitherColourNorDepth)
+{
+    const ItemId quad = scene->add_quad({-0.3f, -0.9f}, {0.9f, 0.2f}, 0.3f);
+    device->begin_frame(kFlatView);
+    draw(quad);
+    const std::vector<float> depth_before = depths();
+    const std::vector<uint32_t> colors_before = scene->colors();
+    EXPECT_GT(count(kMiddle), 0u);
+    EXPECT_GT(count({{-1, -1, -0.5f}, {1, 1, 0}}), 0u);
+    EXPECT_EQ(depths(), depth_before);
+    EXPECT_EQ(scene->colors(), colors_before);
+    EXPECT_NE(std::ranges::count(colors_before, colors_before[0]),
+              static_cast<ptrdiff_t>(colors_before.size()));
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, ATestIsTheUnionOfItsBoxesAndTestsOfABatchAreSeparate)
+{
+    const ItemId wall = scene->add_quad(kLow, {0.0f, 1.0f}, 0.1f); // hides the left half
+    const Aabb left{{-0.75f, -0.25f, 0.2f}, {-0.25f, 0.25f, 0.4f}};
+    const Aabb right{{0.25f, -0.25f, 0.2f}, {0.75f, 0.25f, 0.4f}};
+    const std::array<QueryBox, 4> boxes{
+        {{left, nullptr, {}}, {left, nullptr, {}}, {right, nullptr, {}}, {left, nullptr, {}}}};
+    const std::array<uint32_t, 3> ends{1, 3, 4};
+    std::array<Ticket, 3> tickets;
+    device->begin_frame(kFlatView);
+    draw(wall);
+    device->query({boxes, ends, TestMethod::queries}, tickets);
+    EXPECT_EQ(device->wait(tickets[0]).samples, 0u);
+    EXPECT_EQ(device->wait(tickets[1]).samples, 2u * 16u * 16u);
+    EXPECT_EQ(device->wait(tickets[2]).samples, 0u);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, TransformedBoxCoversItsImage)
+{
+    const Aabb unit{{-0.5f, -0.5f, -0.1f}, {0.5f, 0.5f, 0.1f}};
+    const glm::mat4 moved =
+        glm::scale(glm::translate(glm::mat4{1.0f}, {0.5f, 0.5f, 0.0f}), {0.5f, 0.25f, 1.0f});
+    const ItemId wall = scene->add_quad(kLow, {1.0f, 0.0f}, -0.5f); // hides the lower half
+    device->begin_frame(kFlatView);
+    draw(wall);
+    EXPECT_EQ(count(unit, &moved), 2u * 16u * 8u);
+    const glm::mat4 hidden = glm::translate(moved, {0.0f, -4.0f, 0.0f});
+    EXPECT_EQ(count(unit, &hidden), 0u);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, RotatedBoxIsTight)
+{
+    const float pi = std::numbers::pi_v<float>;
+    const glm::mat4 turned = glm::rotate(glm::mat4{1.0f}, 0.25f * pi, {0, 0, 1});
+    device->begin_frame(kFlatView);
+    const uint64_t samples = count({{-0.5f, -0.5f, 0.0f}, {0.5f, 0.5f, 0.1f}}, &turned);
+    EXPECT_NEAR(static_cast<double>(samples), 2.0 * kMiddlePixels, 2.0 * 64.0);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, MirroredTransformsAndProjectionsCountTheSame)
+{
+    const glm::mat4 mirror = glm::scale(glm::mat4{1.0f}, {-1.0f, 1.0f, 1.0f});
+    device->begin_frame(kFlatView);
+    EXPECT_EQ(count(kMiddle, &mirror), 2 * kMiddlePixels);
+    device->end_frame();
+    device->begin_frame(View::from_clip(mirror, kSize));
+    EXPECT_EQ(count(kMiddle), 2 * kMiddlePixels);
+    EXPECT_EQ(count(kMiddle, &mirror), 2 * kMiddlePixels);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, ReversedDepthHidesAndShows)
+{
+    // Window depth = z: near is 1, far is 0.
+    const View view = View::from_clip(glm::mat4{1.0f}, kSize,
+                                      {DepthRange::zero_to_one, DepthOrder::near_is_large});
+    const ItemId wall = scene->add_quad(kLow, {0.0f, 1.0f}, 0.5f);
+    device->begin_frame(view);
+    draw(wall);
+    EXPECT_EQ(count({{-0.5f, -0.5f, 0.2f}, {0.0f, 0.5f, 0.4f}}), 0u);
+    EXPECT_EQ(count({{-0.5f, -0.5f, 0.6f}, {0.0f, 0.5f, 0.8f}}), kMiddlePixels);
+    EXPECT_EQ(count({{0.0f, -0.5f, 0.2f}, {0.5f, 0.5f, 0.4f}}), kMiddlePixels);
+    EXPECT_EQ(count({{-0.5f, -0.5f, 0.5f}, {0.0f, 0.5f, 0.5f}}), kMiddlePixels) << "on the wall";
+    const std::vector<float> depth = depths();
+    EXPECT_EQ(depth[0], 0.5f);
+    EXPECT_EQ(depth[63], 1.0f) << "background is far";
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, BoxesAcrossTheFarPlaneAreVisible)
+{
+    const View view = perspective_view();
+    device->begin_frame(view);
+    EXPECT_GT(count({{-1500, -1500, -3000}, {1500, 1500, -2000}}), 0u);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, WallLyingOnItsOwnBoxIsVisible)
+{
+    // R3, at many distances, flat and tilted: the box of what was just drawn must be seen.
+    const View view = perspective_view({641, 359});
+    make_scene({641, 359}, 1);
+    Rng rng(7);
+    for (int i = 0; i < 200; ++i) {
+        const float distance = std::exp2(rng.range(-2.0f, 9.5f));
+        const float slope = rng.range(-1.5f, 1.5f) * distance;
+        const float size = 0.2f * distance;
+        const glm::vec3 a{-size, -size, -distance - slope * 0.1f};
+        const glm::vec3 b{size, -size, -distance + slope * 0.1f};
+        const glm::vec3 c{0.0f, size, -distance};
+        const ItemId item = scene->add_triangles(std::array{a, b, c, a, c, b});
+        const Aabb box{glm::min(glm::min(a, b), c), glm::max(glm::max(a, b), c)};
+        device->begin_frame(view);
+        draw(item);
+        EXPECT_GT(count(view.inflated_for_test(box)), 0u) << "distance " << distance;
+        device->end_frame();
+    }
+}
+
+TEST_F(GlDeviceTest, FlatBoxOnItsOwnWallIsVisibleWithoutInflation)
+{
+    const ItemId wall = scene->add_quad({-0.5f, -0.5f}, {0.5f, 0.5f}, 0.3f);
+    device->begin_frame(kFlatView);
+    draw(wall);
+    EXPECT_EQ(count({{-0.5f, -0.5f, 0.3f}, {0.5f, 0.5f, 0.3f}}), 2 * kMiddlePixels);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, DepthBiasIsSmall)
+{
+    const ItemId wall = scene->add_quad(kLow, kHigh, 0.3f);
+    device->begin_frame(kFlatView);
+    draw(wall);
+    EXPECT_EQ(count({{-0.5f, -0.5f, 0.30001f}, {0.5f, 0.5f, 0.4f}}), 0u);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, WorksWithTwentyFourBitDepth)
+{
+    make_scene(kSize, 1, GL_DEPTH24_STENCIL8);
+    const ItemId wall = scene->add_quad(kLow, {0.0f, 1.0f}, 0.3f);
+    device->begin_frame(kFlatView);
+    draw(wall);
+    EXPECT_EQ(count({{-0.5f, -0.5f, 0.3f}, {0.0f, 0.5f, 0.3f}}), kMiddlePixels);
+    EXPECT_EQ(count({{-0.5f, -0.5f, 0.31f}, {0.0f, 0.5f, 0.4f}}), 0u);
+    EXPECT_NEAR(depths()[0], 0.65f, 1e-6f);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, MultisampledTargetsCountSamples)
+{
+    make_scene(kSize, 4);
+    const float pixel = 2.0f / 64.0f;
+    // The wall leaves a slit half a pixel wide: whole pixels are covered by no sample at their
+    // centre, but by some of four.
+    const ItemId left = scene->add_quad(kLow, {0.25f * pixel, 1.0f}, 0.1f);
+    const ItemId right = scene->add_quad({0.75f * pixel, -1.0f}, kHigh, 0.1f);
+    device->begin_frame(kFlatView);
+    EXPECT_EQ(count(kMiddle), 2 * 4 * kMiddlePixels);
+    draw(left);
+    draw(right);
+    const uint64_t through_slit = count(kMiddle);
+    EXPECT_GT(through_slit, 0u);
+    EXPECT_LT(through_slit, 2u * 4u * 32u);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, DrawAndQueryCountsTheSamplesDrawn)
+{
+    const ItemId quad = scene->add_quad({-0.5f, -0.5f}, {0.5f, 0.5f}, 0.3f);
+    const ItemId half = scene->add_quad({-0.5f, -0.5f}, {0.5f, 0.0f}, 0.1f);
+    device->begin_frame(kFlatView);
+    EXPECT_EQ(device->wait(device->draw_and_query({&half, 1}, DrawPass::shade)).samples,
+              kMiddlePixels / 2);
+    EXPECT_EQ(device->wait(device->draw_and_query({&quad, 1}, DrawPass::shade)).samples,
+              kMiddlePixels / 2);
+    const Answer nothing = device->wait(device->draw_and_query({}, DrawPass::shade));
+    EXPECT_EQ(nothing.state, AnswerState::ready);
+    EXPECT_EQ(nothing.samples, 0u);
+    EXPECT_NE(scene->colors()[32 * 64 + 32], scene->colors()[0]);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, PollNeverBlocksAndEndsReady)
+{
+    const ItemId wall = scene->add_quad(kLow, kHigh, 0.1f);
+    device->begin_frame(kFlatView);
+    draw(wall);
+    const Ticket ticket = ask(kMiddle);
+    device->flush();
+    Answer answer = Answer::pending();
+    for (int i = 0; i < 100'000'000 && answer.state == AnswerState::pending; ++i) {
+        answer = device->poll(ticket);
+        if (answer.state == AnswerState::pending) {
+            EXPECT_EQ(answer.samples, Answer::kUnknownSamples);
+        }
+    }
+    EXPECT_EQ(answer.state, AnswerState::ready);
+    EXPECT_EQ(answer.samples, 0u);
+    EXPECT_EQ(device->poll(ticket).state, AnswerState::lost) << "spent";
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, SpentForeignAndInventedTicketsAreLost)
+{
+    device->begin_frame(kFlatView);
+    const Ticket ticket = ask(kMiddle);
+    EXPECT_EQ(device->wait(ticket).state, AnswerState::ready);
+    EXPECT_EQ(device->wait(ticket).state, AnswerState::lost);
+    EXPECT_EQ(device->wait(Ticket{}).state, AnswerState::lost);
+    EXPECT_EQ(device->wait(Ticket{ticket.index, ticket.generation + 1}).state, AnswerState::lost);
+    EXPECT_EQ(device->wait(Ticket{12345, 1}).state, AnswerState::lost);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, ReusedQueryObjectsNeverAnswerForTheirFormerOwner)
+{
+    make_device({.max_outstanding = 2});
+    const ItemId wall = scene->add_quad(kLow, kHigh, 0.1f);
+    device->begin_frame(kFlatView);
+    const Ticket visible = ask(kMiddle);
+    EXPECT_EQ(device->wait(visible).samples, 2 * kMiddlePixels);
+    draw(wall);
+    for (int i = 0; i < 7; ++i) {
+        const Ticket hidden = ask(kMiddle);
+        EXPECT_TRUE(hidden.valid());
+        EXPECT_EQ(device->wait(visible).state, AnswerState::lost);
+        EXPECT_EQ(device->wait(hidden).samples, 0u);
+    }
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, TestsBeyondMaxOutstandingAreLostAndTheOthersAreNot)
+{
+    make_device({.max_outstanding = 3});
+    const std::vector<QueryBox> boxes(5, QueryBox{kMiddle, nullptr, {}});
+    const std::array<uint32_t, 5> ends{1, 2, 3, 4, 5};
+    std::array<Ticket, 5> tickets;
+    device->begin_frame(kFlatView);
+    device->query({boxes, ends, TestMethod::queries}, tickets);
+    const ItemId quad = scene->add_quad(kLow, kHigh, 0.9f);
+    EXPECT_FALSE(device->draw_and_query({&quad, 1}, DrawPass::shade).valid());
+    EXPECT_NE(scene->colors()[0], 0xff000000u) << "drawn all the same";
+    for (size_t i = 0; i < 5; ++i) {
+        const Answer answer = device->wait(tickets[i]);
+        EXPECT_EQ(answer.state, i < 3 ? AnswerState::ready : AnswerState::lost) << i;
+        EXPECT_GT(answer.samples, 0u) << "never hidden";
+    }
+    EXPECT_EQ(count(kMiddle), 2 * kMiddlePixels) << "room again";
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, AnswersMayBeReadInAnyOrder)
+{
+    const std::array<float, 4> sizes{0.25f, 0.5f, 0.75f, 1.0f};
+    std::vector<Ticket> tickets;
+    device->begin_frame(kFlatView);
+    for (const float size : sizes) {
+        tickets.push_back(ask({{-size, -size, 0.2f}, {size, size, 0.4f}}));
+    }
+    for (const size_t i : {2u, 0u, 3u, 1u}) {
+        const auto side = static_cast<uint64_t>(64.0f * sizes[i]);
+        EXPECT_EQ(device->wait(tickets[i]).samples, 2 * side * side);
+    }
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, UnreadTicketsStayGoodInLaterFrames)
+{
+    device->begin_frame(kFlatView);
+    const Ticket early = ask(kMiddle);
+    device->end_frame();
+    const ItemId wall = scene->add_quad(kLow, kHigh, 0.1f);
+    for (int frame = 0; frame < 100; ++frame) {
+        device->begin_frame(kFlatView);
+        draw(wall);
+        EXPECT_EQ(count(kMiddle), 0u);
+        device->end_frame();
+    }
+    EXPECT_EQ(device->wait(early).samples, 2 * kMiddlePixels);
+}
+
+TEST_F(GlDeviceTest, AbandonedTicketsGiveTheirRoomBackAndAreLost)
+{
+    make_device({.max_outstanding = 2});
+    device->begin_frame(kFlatView);
+    const Ticket abandoned = ask(kMiddle);
+    ask(kMiddle);
+    EXPECT_FALSE(ask(kMiddle).valid());
+    device->end_frame();
+    glFinish();
+    for (int frame = 0; frame < 70; ++frame) {
+        device->begin_frame(kFlatView);
+        device->end_frame();
+    }
+    device->begin_frame(kFlatView);
+    EXPECT_EQ(count(kMiddle), 2 * kMiddlePixels);
+    EXPECT_EQ(device->wait(abandoned).state, AnswerState::lost);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, UnboundedBoxesAreLostNotHidden)
+{
+    const ItemId wall = scene->add_quad(kLow, kHigh, -0.9f);
+    device->begin_frame(kFlatView);
+    draw(wall);
+    EXPECT_EQ(device->wait(ask(Aabb::everything())).state, AnswerState::lost);
+    EXPECT_EQ(device->wait(ask(Aabb::empty())).state, AnswerState::lost);
+    EXPECT_EQ(count(kMiddle), 0u);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, ManyBatchesWrapTheUploadRing)
+{
+    const ItemId wall = scene->add_quad(kLow, {0.0f, 1.0f}, 0.1f);
+    const Aabb hidden{{-0.75f, -0.25f, 0.2f}, {-0.25f, 0.25f, 0.4f}};
+    const Aabb seen{{0.25f, -0.25f, 0.2f}, {0.75f, 0.25f, 0.4f}};
+    device->begin_frame(kFlatView);
+    draw(wall);
+    for (const size_t box_count : {3000u, 2000u, 9001u, 1u}) {
+        std::vector<QueryBox> boxes(box_count, QueryBox{hidden, nullptr, {}});
+        boxes.push_back({seen, nullptr, {}});
+        const std::array<uint32_t, 2> ends{static_cast<uint32_t>(box_count),
+                                           static_cast<uint32_t>(box_count + 1)};
+        std::array<Ticket, 2> tickets;
+        device->query({boxes, ends, TestMethod::queries}, tickets);
+        EXPECT_EQ(device->wait(tickets[0]).samples, 0u);
+        EXPECT_EQ(device->wait(tickets[1]).samples, 2u * 16u * 16u);
+    }
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, OldestVersionAnswersTheSame)
+{
+    make_device({.max_gl_version = 33});
+    const ItemId wall = scene->add_quad(kLow, {0.0f, 1.0f}, 0.1f);
+    const Aabb left{{-0.75f, -0.25f, 0.2f}, {-0.25f, 0.25f, 0.4f}};
+    const Aabb right{{0.25f, -0.25f, 0.2f}, {0.75f, 0.25f, 0.4f}};
+    const std::array<QueryBox, 3> boxes{
+        {{left, nullptr, {}}, {left, nullptr, {}}, {right, nullptr, {}}}};
+    const std::array<uint32_t, 2> ends{1, 3};
+    std::array<Ticket, 2> tickets;
+    device->begin_frame(kFlatView);
+    draw(wall);
+    for (int repeat = 0; repeat < 3; ++repeat) {
+        device->query({boxes, ends, TestMethod::queries}, tickets);
+        EXPECT_EQ(device->wait(tickets[0]).samples, 0u);
+        EXPECT_EQ(device->wait(tickets[1]).samples, 2u * 16u * 16u);
+    }
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, StateIsGivenBackOnceBeforeTheNextDrawAndBeforeTheEnd)
+{
+    const ItemId quad = scene->add_quad({-0.5f, -0.5f}, {0.5f, 0.5f}, 0.3f);
+    device->begin_frame(kFlatView);
+    draw(quad);
+    EXPECT_EQ(scene->restores, 0) << "no tests, nothing to restore";
+    const Ticket a = ask(kMiddle);
+    const Ticket b = ask(kMiddle);
+    EXPECT_EQ(scene->restores, 0);
+    draw(quad);
+    draw(quad);
+    EXPECT_EQ(scene->restores, 1);
+    const Ticket c = ask(kMiddle);
+    device->end_frame();
+    EXPECT_EQ(scene->restores, 2);
+    EXPECT_EQ(scene->ended, 1);
+    for (const Ticket ticket : {a, b, c}) {
+        EXPECT_EQ(device->wait(ticket).state, AnswerState::ready);
+    }
+}
+
+TEST_F(GlDeviceTest, TestsLeaveExactlyTheDeclaredState)
+{
+    device->begin_frame(kFlatView);
+    GLint framebuffer = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+    const Ticket ticket = ask(kMiddle);
+
+    GLboolean color_mask[4];
+    glGetBooleanv(GL_COLOR_WRITEMASK, color_mask);
+    EXPECT_FALSE(color_mask[0] || color_mask[1] || color_mask[2] || color_mask[3]);
+    GLboolean depth_mask = GL_TRUE;
+    glGetBooleanv(GL_DEPTH_WRITEMASK, &depth_mask);
+    EXPECT_FALSE(depth_mask);
+    GLint function = 0;
+    glGetIntegerv(GL_DEPTH_FUNC, &function);
+    EXPECT_EQ(function, GL_LEQUAL);
+    EXPECT_TRUE(glIsEnabled(GL_DEPTH_TEST));
+    EXPECT_TRUE(glIsEnabled(GL_DEPTH_CLAMP));
+    EXPECT_FALSE(glIsEnabled(GL_CULL_FACE));
+    EXPECT_FALSE(glIsEnabled(GL_SCISSOR_TEST));
+    GLint active = 0;
+    glGetQueryiv(GL_SAMPLES_PASSED, GL_CURRENT_QUERY, &active);
+    EXPECT_EQ(active, 0);
+    GLint after = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &after);
+    EXPECT_EQ(after, framebuffer);
+    EXPECT_EQ(device->wait(ticket).state, AnswerState::ready);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, ReadDepthGivesTheRectangleRowByRowFromTheBottom)
+{
+    const ItemId quad = scene->add_quad({-1.0f, -1.0f}, {0.0f, 0.0f}, 0.0f); // lower left quarter
+    device->begin_frame(kFlatView);
+    draw(quad);
+    std::array<float, 6> out{};
+    ASSERT_TRUE(device->read_depth({30, 31, 3, 2}, out));
+    EXPECT_EQ(out, (std::array<float, 6>{0.5f, 0.5f, 1.0f, 1.0f, 1.0f, 1.0f}));
+    EXPECT_EQ(count(kMiddle), 2 * kMiddlePixels - kMiddlePixels / 2) << "tests go on after it";
+    GLint viewport[4];
+    glGetIntegerv(GL_VIEWPORT, viewport);
+    EXPECT_EQ(viewport[2], 64);
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, ReadDepthOfMultisampledPixelsIsTheFarthestSample)
+{
+    for (const GLenum format : {GL_DEPTH_COMPONENT32F, GL_DEPTH24_STENCIL8}) {
+        make_scene({40, 20}, 4, format);
+        const View view = View::from_clip(glm::mat4{1.0f}, {40, 20});
+        const float pixel = 2.0f / 40.0f;
+        // Covers columns 0..19 and half of column 20.
+        const ItemId quad = scene->add_quad(kLow, {0.5f * pixel, 1.0f}, 0.0f);
+        device->begin_frame(view);
+        draw(quad);
+        std::array<float, 6> out{};
+        ASSERT_TRUE(device->read_depth({19, 7, 3, 2}, out));
+        EXPECT_NEAR(out[0], 0.5f, 1e-6f);
+        EXPECT_EQ(out[1], 1.0f) << "half covered: the farthest sample is the background";
+        EXPECT_EQ(out[2], 1.0f);
+        EXPECT_NEAR(out[3], 0.5f, 1e-6f);
+        device->end_frame();
+        EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    }
+}
+
+TEST_F(GlDeviceTest, ReadDepthOfMultisampledReversedDepthIsTheFarthestSample)
+{
+    make_scene(kSize, 4);
+    const View view = View::from_clip(glm::mat4{1.0f}, kSize,
+                                      {DepthRange::zero_to_one, DepthOrder::near_is_large});
+    const ItemId quad = scene->add_quad(kLow, {1.0f / 64.0f, 1.0f}, 0.75f);
+    device->begin_frame(view);
+    draw(quad);
+    std::array<float, 3> out{};
+    ASSERT_TRUE(device->read_depth({31, 5, 3, 1}, out));
+    EXPECT_EQ(out, (std::array<float, 3>{0.25f, 1.0f, 1.0f}));
+    device->end_frame();
+}
+
+TEST_F(GlDeviceTest, WarmUpDrawsNothingAndLeavesNoTicketBehind)
+{
+    make_device({.max_outstanding = 1});
+    const ItemId wall = scene->add_quad(kLow, kHigh, 0.1f);
+    device->begin_frame(kFlatView);
+    device->warm_up();
+    EXPECT_EQ(std::ranges::count(depths(), 1.0f), 64 * 64);
+    draw(wall);
+    EXPECT_EQ(count(kMiddle), 0u);
+    device->end_frame();
+}
+
+} // namespace
+} // namespace occlude::gl

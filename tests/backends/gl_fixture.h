@@ -1,0 +1,219 @@
+// A headless context and a tiny engine for tests of the GL backend: axis-aligned quads and boxes.
+#pragma once
+
+#include <occlude/backends/gl/gl_device.h>
+#include <occlude/backends/gl/gl_object.h>
+#include <occlude/backends/gl/headless_context.h>
+#include <occlude/core/query_device.h>
+
+#include <gtest/gtest.h>
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace occlude::gl {
+
+/// The engine: item i draws a run of triangles in one colour.
+class QuadScene final : public GlScene {
+public:
+    QuadScene(glm::ivec2 size, int samples, GLenum depth_format = GL_DEPTH_COMPONENT32F)
+        : size_(size)
+    {
+        auto program = make_program("test", R"(#version 330 core
+layout(location = 0) in vec3 p;
+uniform mat4 clip_from_world;
+invariant gl_Position;
+void main() { gl_Position = clip_from_world * vec4(p, 1.0); })",
+                                    R"(#version 330 core
+uniform vec4 color;
+layout(location = 0) out vec4 result;
+void main() { result = color; })");
+        EXPECT_TRUE(program) << (program ? "" : program.error().message);
+        program_ = std::move(*program);
+        framebuffer_ = GlFramebuffer::make();
+        color_ = GlRenderbuffer::make();
+        depth_ = GlRenderbuffer::make();
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+        attach(color_, GL_RGBA8, GL_COLOR_ATTACHMENT0, samples);
+        attach(depth_, depth_format,
+               depth_format == GL_DEPTH24_STENCIL8 ? GL_DEPTH_STENCIL_ATTACHMENT
+                                                   : GL_DEPTH_ATTACHMENT,
+               samples);
+        EXPECT_EQ(glCheckFramebufferStatus(GL_FRAMEBUFFER),
+                  static_cast<GLenum>(GL_FRAMEBUFFER_COMPLETE));
+        buffer_ = GlBuffer::make();
+        vertex_array_ = GlVertexArray::make();
+        glBindVertexArray(vertex_array_.name());
+        glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
+        glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
+        glEnableVertexAttribArray(0);
+        glBindVertexArray(0);
+    }
+
+    /// A quad facing +-z at depth z.
+    ItemId add_quad(glm::vec2 low, glm::vec2 high, float z)
+    {
+        return add_triangles(std::vector<glm::vec3>{
+            {low, z}, {high.x, low.y, z}, {high, z}, {low, z}, {high, z}, {low.x, high.y, z}});
+    }
+
+    ItemId add_triangles(std::span<const glm::vec3> points)
+    {
+        firsts_.push_back(static_cast<GLint>(points_.size()));
+        counts_.push_back(static_cast<GLsizei>(points.size()));
+        points_.insert(points_.end(), points.begin(), points.end());
+        glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
+        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(points_.size() * sizeof(glm::vec3)),
+                     points_.data(), GL_STATIC_DRAW);
+        return ItemId{firsts_.size() - 1};
+    }
+
+    void begin_frame(const View& view) override
+    {
+        view_ = view;
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
+        glViewport(0, 0, size_.x, size_.y);
+        restore_state();
+        restores = 0;
+        const bool reversed = view.convention().order == DepthOrder::near_is_large;
+        const bool zero_to_one = view.convention().range == DepthRange::zero_to_one;
+        glClipControl(GL_LOWER_LEFT, zero_to_one ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
+        glClearDepth(reversed ? 0.0 : 1.0);
+        glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
+        glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    }
+
+    void draw(std::span<const ItemId> items, DrawPass) override
+    {
+        for (const ItemId item : items) {
+            const auto shade = static_cast<float>(item.value + 1) / 8.0f;
+            glUniform4f(glGetUniformLocation(program_.name(), "color"), shade, 0.5f, 1.0f, 1.0f);
+            glDrawArrays(GL_TRIANGLES, firsts_[item.value], counts_[item.value]);
+        }
+    }
+
+    void restore_state() override
+    {
+        ++restores;
+        glUseProgram(program_.name());
+        glUniformMatrix4fv(glGetUniformLocation(program_.name(), "clip_from_world"), 1, GL_FALSE,
+                           glm::value_ptr(view_.clip_from_world()));
+        glBindVertexArray(vertex_array_.name());
+        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+        glDepthMask(GL_TRUE);
+        glEnable(GL_DEPTH_TEST);
+        glDepthFunc(view_.convention().order == DepthOrder::near_is_large ? GL_GREATER : GL_LESS);
+        glDisable(GL_DEPTH_CLAMP);
+        glEnable(GL_CULL_FACE); // on, so that forgetting to turn it off for boxes shows
+        glFrontFace(GL_CCW);
+        glDisable(GL_BLEND);
+        glDisable(GL_STENCIL_TEST);
+    }
+
+    void end_frame() override { ++ended; }
+
+    /// Colours of a target without multisampling.
+    std::vector<uint32_t> colors() const
+    {
+        std::vector<uint32_t> pixels(static_cast<size_t>(size_.x * size_.y));
+        glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
+        glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+        return pixels;
+    }
+
+    int restores = 0; ///< calls of restore_state() since begin_frame()
+    int ended = 0;
+
+private:
+    void attach(GlRenderbuffer& buffer, GLenum format, GLenum point, int samples)
+    {
+        glBindRenderbuffer(GL_RENDERBUFFER, buffer.name());
+        glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples > 1 ? samples : 0, format,
+                                         size_.x, size_.y);
+        glFramebufferRenderbuffer(GL_FRAMEBUFFER, point, GL_RENDERBUFFER, buffer.name());
+    }
+
+    glm::ivec2 size_;
+    View view_;
+    GlProgram program_;
+    GlFramebuffer framebuffer_;
+    GlRenderbuffer color_;
+    GlRenderbuffer depth_;
+    GlBuffer buffer_;
+    GlVertexArray vertex_array_;
+    std::vector<glm::vec3> points_;
+    std::vector<GLint> firsts_;
+    std::vector<GLsizei> counts_;
+};
+
+/// Fails, and does not skip, without OpenGL. Every test must leave no OpenGL error behind.
+class GlFixture : public testing::Test {
+protected:
+    static constexpr glm::ivec2 kSize{64, 64};
+
+    void SetUp() override
+    {
+        auto context = HeadlessContext::create();
+        ASSERT_TRUE(context) << context.error().message;
+        context_ = std::move(*context);
+        make_scene(kSize, 1);
+    }
+
+    void TearDown() override
+    {
+        if (context_) {
+            EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+            device.reset();
+            scene.reset();
+        }
+    }
+
+    void make_scene(glm::ivec2 size, int samples, GLenum depth_format = GL_DEPTH_COMPONENT32F)
+    {
+        device.reset();
+        scene = std::make_unique<QuadScene>(size, samples, depth_format);
+        make_device({});
+    }
+
+    void make_device(const GlDeviceOptions& options)
+    {
+        auto made = GlDevice::create(*scene, options);
+        ASSERT_TRUE(made) << made.error().message;
+        device = std::move(*made);
+    }
+
+    Ticket ask(const Aabb& box, const glm::mat4* world_from_box = nullptr)
+    {
+        const QueryBox boxes[] = {{box, world_from_box, {}}};
+        const uint32_t ends[] = {1};
+        Ticket ticket;
+        device->query({boxes, ends, TestMethod::automatic}, {&ticket, 1});
+        return ticket;
+    }
+
+    uint64_t count(const Aabb& box, const glm::mat4* world_from_box = nullptr)
+    {
+        const Answer answer = device->wait(ask(box, world_from_box));
+        EXPECT_EQ(answer.state, AnswerState::ready);
+        return answer.samples;
+    }
+
+    void draw(ItemId item) { device->draw({&item, 1}, DrawPass::shade); }
+
+    std::vector<float> depths(glm::ivec2 size = kSize)
+    {
+        std::vector<float> out(static_cast<size_t>(size.x * size.y));
+        EXPECT_TRUE(device->read_depth({0, 0, size.x, size.y}, out));
+        return out;
+    }
+
+    std::unique_ptr<HeadlessContext> context_;
+    std::unique_ptr<QuadScene> scene;
+    std::unique_ptr<GlDevice> device;
+};
+
+} // namespace occlude::gl
