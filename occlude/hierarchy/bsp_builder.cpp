@@ -175,7 +175,7 @@ private:
         if (options_.split == BspOptions::Split::middle) {
             planes.add(static_cast<float>(low + 0.5 * extent));
         } else if (options_.split == BspOptions::Split::median) {
-            planes.add(median_center(order, axis));
+            planes.add(median_face(order, axis));
         } else if (order.size() <= kMaxPlanes) {
             // The upper face of each item: all planes that part few items differently enough.
             for (const uint32_t item : order) {
@@ -191,14 +191,14 @@ private:
         return planes;
     }
 
-    // Reorders `order`.
-    float median_center(Order order, int axis) const
+    // Reorders `order`. The face, not the centre: the median item itself does not straddle it.
+    float median_face(Order order, int axis) const
     {
-        const auto middle = order.begin() + static_cast<std::ptrdiff_t>(order.size() / 2);
-        const auto center = [&](uint32_t item) { return items_[item].box.center()[axis]; };
+        const auto middle = order.begin() + static_cast<std::ptrdiff_t>((order.size() - 1) / 2);
+        const auto face = [&](uint32_t item) { return items_[item].box.max[axis]; };
         std::nth_element(order.begin(), middle, order.end(),
-                         [&](uint32_t a, uint32_t b) { return center(a) < center(b); });
-        return center(*middle);
+                         [&](uint32_t a, uint32_t b) { return face(a) < face(b); });
+        return face(*middle);
     }
 
     // The cheapest of the planes that leave fewer items on each side than there are.

@@ -23,7 +23,7 @@ struct BspOptions {
     enum class Split : uint8_t {
         cost,   ///< the least area * triangles of both sides and of what straddles the plane
         middle, ///< the middle of the longest axis
-        median, ///< the median centre of the longest axis
+        median, ///< the median of the upper faces along the longest axis
     };
     Split split = Split::cost;
     /// A node of at most this many items is not split further.

@@ -5,6 +5,7 @@
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/registry.h>
 #include <occlude/device/delaying_device.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include "support/trees.h"
 
@@ -111,13 +112,14 @@ struct Setup {
     glm::ivec2 size{161, 89};
     bool moving = false;
     bool late_answers = false;
+    std::string_view hierarchy = "bvh";
 };
 
 // Runs an algorithm beside the reference and expects the same picture in every frame.
 void expect_exact(const Setup& setup)
 {
     BoxScene scene(test::random_boxes(700, 31, 24.0f, 7.0f));
-    Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    Hierarchy tree = find_hierarchy_kind(setup.hierarchy)->build(scene.bounds, 24);
     CpuDevice device(scene);
     CpuDevice reference_device(scene);
     DelayingDevice late(device, {.seed = 3, .max_polls = 5, .lose_every = 7});
@@ -211,6 +213,38 @@ TEST(Exactness, TwoPhaseWithEachPartSwitched)
     }
 }
 
+TEST(Exactness, Statistical)
+{
+    expect_exact({.algorithm = "statistical"});
+}
+
+TEST(Exactness, StatisticalWithEachPartSwitched)
+{
+    const std::vector<OptionValue> switches{
+        {"base_time", "0"},         {"base_time", "0.05"}, {"history", "1"},
+        {"max_age", "0"},           {"spread", "0"},       {"max_in_flight", "1"},
+        {"max_in_flight", "500"},   {"issue", "at_place"}, {"results", "oldest"},
+        {"frames_per_second", "5"},
+    };
+    for (const OptionValue& option : switches) {
+        SCOPED_TRACE(option.first + "=" + option.second);
+        expect_exact({.algorithm = "statistical", .options = {option}});
+    }
+}
+
+TEST(Exactness, OnEveryHierarchy)
+{
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        for (const AlgorithmInfo& info : algorithms()) {
+            if (info.exact && (info.needs.queries || info.needs.depth_read)) {
+                SCOPED_TRACE(info.name + " on " + std::string{kind.name});
+                expect_exact({.algorithm = info.name, .hierarchy = kind.name});
+                expect_exact({.algorithm = info.name, .moving = true, .hierarchy = kind.name});
+            }
+        }
+    }
+}
+
 TEST(Exactness, InEveryClipConvention)
 {
     for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
@@ -235,12 +269,16 @@ TEST(Exactness, WhileEverythingMoves)
     expect_exact({.algorithm = "chc", .moving = true});
     expect_exact({.algorithm = "chc_plus_plus", .moving = true});
     expect_exact({.algorithm = "two_phase", .moving = true});
+    expect_exact({.algorithm = "statistical", .moving = true});
 }
 
 TEST(Exactness, WithLateAndLostAnswers)
 {
     expect_exact({.algorithm = "chc", .late_answers = true});
     expect_exact({.algorithm = "chc_plus_plus", .late_answers = true});
+    expect_exact({.algorithm = "statistical", .late_answers = true});
+    expect_exact(
+        {.algorithm = "statistical", .options = {{"results", "oldest"}}, .late_answers = true});
 }
 
 TEST(Exactness, ARebuiltHierarchyStartsAfresh)
@@ -307,7 +345,8 @@ TEST(Exactness, TheOraclesDrawTheSamePicture)
 TEST(Exactness, OptDrawsWhatStopAndWaitDraws)
 {
     BoxScene scene(test::random_boxes(500, 34, 24.0f, 7.0f));
-    const Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    // Items in inner nodes too.
+    const Hierarchy tree = find_hierarchy_kind("bsp")->build(scene.bounds, 24);
     CpuDevice device(scene);
     auto stop_and_wait = make_culler("stop_and_wait", tree);
     auto opt = make_culler("opt", tree);

@@ -11,11 +11,10 @@
 #include <occlude/device/counting_device.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/device/validating_device.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <iterator>
 #include <map>
 #include <set>
 
@@ -25,11 +24,12 @@ namespace {
 struct Case {
     std::string algorithm;
     std::vector<OptionValue> options;
+    std::string hierarchy = "bvh";
 };
 
 std::string name_of(const ::testing::TestParamInfo<Case>& info)
 {
-    std::string name = info.param.algorithm;
+    std::string name = info.param.hierarchy + "_" + info.param.algorithm;
     for (const auto& [option, value] : info.param.options) {
         name += "_" + option + "_" + value;
     }
@@ -61,16 +61,34 @@ const std::vector<Case>& cases()
         {"two_phase", {}},
         {"two_phase", {{"virtual_leaves", "true"}, {"refine", "false"}}},
         {"two_phase", {{"reread_triangles", "1000"}, {"final_depth", "true"}}},
+        {"statistical", {}},
+        {"statistical", {{"issue", "at_place"}}},
+        {"statistical", {{"results", "oldest"}}},
+        {"statistical", {{"max_in_flight", "1"}}},
+        {"statistical", {{"spread", "0"}, {"history", "1"}}},
+        {"statistical", {{"base_time", "0"}}},
+        {"statistical", {{"base_time", "0.05"}, {"max_age", "0.5"}}},
     };
+    return all;
+}
+
+// Each case on each kind of hierarchy.
+std::vector<Case> cases_on_every_hierarchy()
+{
+    std::vector<Case> all;
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        for (const Case& c : cases()) {
+            all.push_back({c.algorithm, c.options, std::string{kind.name}});
+        }
+    }
     return all;
 }
 
 std::vector<Case> cases_with_queries()
 {
-    std::vector<Case> with_queries;
-    std::copy_if(cases().begin(), cases().end(), std::back_inserter(with_queries),
-                 [](const Case& c) { return find_algorithm(c.algorithm)->needs.queries; });
-    return with_queries;
+    std::vector<Case> cases = cases_on_every_hierarchy();
+    std::erase_if(cases, [](const Case& c) { return !find_algorithm(c.algorithm)->needs.queries; });
+    return cases;
 }
 
 // Depth for algorithms that read it: tiles of 8x8 pixels, near and far at random.
@@ -122,7 +140,8 @@ protected:
         return script;
     }
 
-    const Hierarchy tree_ = test::random_bvh(600, 21);
+    const HierarchyKind& kind_ = *find_hierarchy_kind(GetParam().hierarchy);
+    const Hierarchy tree_ = kind_.build(test::random_boxes(600, 21), 300);
     uint64_t frame_ = 0;
 };
 
@@ -292,7 +311,7 @@ TEST_P(Invariants, OddHierarchiesAreHarmless)
     for (const std::vector<ItemBounds>& items :
          {odd, std::vector<ItemBounds>{odd[4]}, std::vector<ItemBounds>{odd[5]},
           std::vector<ItemBounds>{}}) {
-        const Hierarchy tree = build_bvh(items, {.leaf_triangles = 300});
+        const Hierarchy tree = kind_.build(items, 300);
         DeviceScript none_visible{.boxes = visible_subjects({})};
         none_visible.caps.draw_and_query = true;
         ScriptedDevice scripted(none_visible);
@@ -344,7 +363,8 @@ TEST_P(Invariants, AResetForgetsEverything)
     EXPECT_EQ(first_frames[0], first_frames[1]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases_on_every_hierarchy()),
+                         name_of);
 INSTANTIATE_TEST_SUITE_P(Cull, QueryInvariants, ::testing::ValuesIn(cases_with_queries()), name_of);
 
 template <class C>
