@@ -7,6 +7,7 @@
 #include <occlude/cull/statistical.h>
 #include <occlude/cull/stop_and_wait.h>
 #include <occlude/cull/two_phase.h>
+#include <occlude/cull/uniform_grid.h>
 
 #include <charconv>
 #include <limits>
@@ -182,6 +183,9 @@ std::vector<AlgorithmInfo> make_table()
     table.push_back(describe<Statistical, StatisticalOptions>(
         "statistical", "Kovalcik, Sochor 2005",
         "what was visible lately is drawn untested, the longer the more often it was", tests));
+    table.push_back(describe<UniformGrid, UniformGridOptions>(
+        "uniform_grid", "Hillesland, Salomon, Lastra, Manocha 2002",
+        "tests the cells of a uniform or nested grid of its own, slab by slab", tests));
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(

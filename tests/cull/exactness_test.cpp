@@ -213,6 +213,22 @@ TEST(Exactness, TwoPhaseWithEachPartSwitched)
     }
 }
 
+TEST(Exactness, UniformGrid)
+{
+    for (const std::string levels : {"0", "1", "3"}) {
+        for (const std::string triangles : {"24", "200"}) {
+            SCOPED_TRACE(levels + " levels, cells of " + triangles);
+            const std::vector<OptionValue> options{{"nested_levels", levels},
+                                                   {"cell_triangles", triangles}};
+            expect_exact({.algorithm = "uniform_grid", .options = options});
+            expect_exact({.algorithm = "uniform_grid", .options = options, .moving = true});
+        }
+    }
+    expect_exact({.algorithm = "uniform_grid",
+                  .options = {{"cell_triangles", "100"}},
+                  .late_answers = true});
+}
+
 TEST(Exactness, Statistical)
 {
     expect_exact({.algorithm = "statistical"});
@@ -236,7 +252,8 @@ TEST(Exactness, OnEveryHierarchy)
 {
     for (const HierarchyKind& kind : hierarchy_kinds()) {
         for (const AlgorithmInfo& info : algorithms()) {
-            if (info.exact && (info.needs.queries || info.needs.depth_read)) {
+            const bool has_own_cells = info.name == "uniform_grid";
+            if (info.exact && !has_own_cells && (info.needs.queries || info.needs.depth_read)) {
                 SCOPED_TRACE(info.name + " on " + std::string{kind.name});
                 expect_exact({.algorithm = info.name, .hierarchy = kind.name});
                 expect_exact({.algorithm = info.name, .moving = true, .hierarchy = kind.name});

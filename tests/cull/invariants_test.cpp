@@ -58,6 +58,9 @@ const std::vector<Case>& cases()
         {"chc_plus_plus", {{"multiqueries", "off"}}},
         {"chc_plus_plus", {{"multiqueries", "analytic"}}},
         {"chc_plus_plus", {{"depth_only_pass", "true"}}},
+        {"uniform_grid", {{"cell_triangles", "500"}}},
+        {"uniform_grid", {{"cell_triangles", "2000"}, {"nested_levels", "0"}}},
+        {"uniform_grid", {{"cell_triangles", "4000"}, {"nested_levels", "2"}}},
         {"two_phase", {}},
         {"two_phase", {{"virtual_leaves", "true"}, {"refine", "false"}}},
         {"two_phase", {{"reread_triangles", "1000"}, {"final_depth", "true"}}},
@@ -84,10 +87,18 @@ std::vector<Case> cases_on_every_hierarchy()
     return all;
 }
 
+// True for those that test the cells of a grid of their own instead of nodes.
+bool tests_cells(const Case& c)
+{
+    return c.algorithm == "uniform_grid" || c.algorithm == "prioritized";
+}
+
 std::vector<Case> cases_with_queries()
 {
     std::vector<Case> cases = cases_on_every_hierarchy();
-    std::erase_if(cases, [](const Case& c) { return !find_algorithm(c.algorithm)->needs.queries; });
+    std::erase_if(cases, [](const Case& c) {
+        return !find_algorithm(c.algorithm)->needs.queries || tests_cells(c);
+    });
     return cases;
 }
 
