@@ -61,6 +61,18 @@ void CullFrame::draw_own(NodeId node, PlaneMask mask, Decision decision)
     }
 }
 
+void CullFrame::draw_item(NodeId owner, uint32_t place, PlaneMask mask, Decision decision)
+{
+    const ItemBounds& bounds = hierarchy_.item_bounds()[place];
+    if (view_.frustum().classify(bounds.box, mask) == Containment::outside) {
+        decision = Decision::outside;
+    } else {
+        drawn_.push_back(hierarchy_.items()[place]);
+        queued_triangles_ += bounds.triangles;
+    }
+    culler_.decisions_.add(owner, hierarchy_.items()[place], decision);
+}
+
 void CullFrame::draw_items(std::span<const ItemId> items, uint64_t triangles)
 {
     drawn_.insert(drawn_.end(), items.begin(), items.end());

@@ -75,6 +75,8 @@ public:
     void draw_leaf(NodeId leaf, PlaneMask mask, Decision decision);
     /// ... the items of an inner node itself, without its children.
     void draw_own(NodeId node, PlaneMask mask, Decision decision);
+    /// ... one item of node `owner`, by its place in Hierarchy::items().
+    void draw_item(NodeId owner, uint32_t place, PlaneMask mask, Decision decision);
     /// ... items by id, in this order (for algorithms that know them otherwise).
     void draw_items(std::span<const ItemId> items, uint64_t triangles);
 
@@ -104,6 +106,12 @@ public:
 
     /// Logs a decision that draws nothing: the node was found hidden.
     void decide(NodeId node, Decision decision) { culler_.decisions_.add(node, decision); }
+
+    /// ... of one item of node `owner`, by its place in Hierarchy::items().
+    void decide_item(NodeId owner, uint32_t place, Decision decision)
+    {
+        culler_.decisions_.add(owner, hierarchy_.items()[place], decision);
+    }
 
     /// Draws what is still queued, shades after a depth-only pass, ends the device's frame.
     void finish();

@@ -2,6 +2,8 @@
 
 #include <occlude/hierarchy/bsp_builder.h>
 #include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/grid_builder.h>
+#include <occlude/hierarchy/octree_builder.h>
 
 #include <array>
 
@@ -15,6 +17,14 @@ static constexpr std::array kKinds{
     HierarchyKind{"bsp", "axis-aligned planes; what straddles a plane stays in the inner node",
                   [](std::span<const ItemBounds> items, uint32_t leaf_triangles) {
                       return build_bsp(items, {.leaf_triangles = leaf_triangles});
+                  }},
+    HierarchyKind{"octree", "cubes halved along all axes; an item is where its centre is",
+                  [](std::span<const ItemBounds> items, uint32_t leaf_triangles) {
+                      return build_octree(items, {.leaf_triangles = leaf_triangles});
+                  }},
+    HierarchyKind{"grid", "a grid of cells, each a grid again where it holds more than one item",
+                  [](std::span<const ItemBounds> items, uint32_t leaf_triangles) {
+                      return build_grid(items, {.leaf_triangles = leaf_triangles});
                   }},
 };
 

@@ -196,6 +196,39 @@ TEST(Exactness, ChcPlusPlusWithEachPartSwitched)
     }
 }
 
+TEST(Exactness, TwoPhase)
+{
+    expect_exact({.algorithm = "two_phase"});
+}
+TEST(Exactness, TwoPhaseWithEachPartSwitched)
+{
+    const std::vector<OptionValue> switches{{"virtual_leaves", "true"},
+                                            {"refine", "false"},
+                                            {"reread_triangles", "0"},
+                                            {"reread_triangles", "200"},
+                                            {"final_depth", "true"}};
+    for (const OptionValue& option : switches) {
+        SCOPED_TRACE(option.first + "=" + option.second);
+        expect_exact({.algorithm = "two_phase", .options = {option}});
+    }
+}
+
+TEST(Exactness, UniformGrid)
+{
+    for (const std::string levels : {"0", "1", "3"}) {
+        for (const std::string triangles : {"24", "200"}) {
+            SCOPED_TRACE(levels + " levels, cells of " + triangles);
+            const std::vector<OptionValue> options{{"nested_levels", levels},
+                                                   {"cell_triangles", triangles}};
+            expect_exact({.algorithm = "uniform_grid", .options = options});
+            expect_exact({.algorithm = "uniform_grid", .options = options, .moving = true});
+        }
+    }
+    expect_exact({.algorithm = "uniform_grid",
+                  .options = {{"cell_triangles", "100"}},
+                  .late_answers = true});
+}
+
 TEST(Exactness, Statistical)
 {
     expect_exact({.algorithm = "statistical"});
@@ -219,7 +252,8 @@ TEST(Exactness, OnEveryHierarchy)
 {
     for (const HierarchyKind& kind : hierarchy_kinds()) {
         for (const AlgorithmInfo& info : algorithms()) {
-            if (info.exact && info.needs.queries) {
+            const bool has_own_cells = info.name == "uniform_grid";
+            if (info.exact && !has_own_cells && (info.needs.queries || info.needs.depth_read)) {
                 SCOPED_TRACE(info.name + " on " + std::string{kind.name});
                 expect_exact({.algorithm = info.name, .hierarchy = kind.name});
                 expect_exact({.algorithm = info.name, .moving = true, .hierarchy = kind.name});
@@ -284,6 +318,7 @@ TEST(Exactness, InEveryClipConvention)
     for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
         for (const DepthOrder order : {DepthOrder::near_is_small, DepthOrder::near_is_large}) {
             expect_exact({.algorithm = "chc_plus_plus", .convention = {range, order}});
+            expect_exact({.algorithm = "two_phase", .convention = {range, order}});
         }
     }
 }
@@ -292,6 +327,8 @@ TEST(Exactness, AtOtherSizes)
 {
     expect_exact({.algorithm = "chc_plus_plus", .size = {320, 180}});
     expect_exact({.algorithm = "stop_and_wait", .size = {67, 211}});
+    expect_exact({.algorithm = "two_phase", .size = {67, 211}});
+    expect_exact({.algorithm = "two_phase", .size = {256, 128}});
 }
 
 TEST(Exactness, WhileEverythingMoves)
@@ -299,6 +336,7 @@ TEST(Exactness, WhileEverythingMoves)
     expect_exact({.algorithm = "stop_and_wait", .moving = true});
     expect_exact({.algorithm = "chc", .moving = true});
     expect_exact({.algorithm = "chc_plus_plus", .moving = true});
+    expect_exact({.algorithm = "two_phase", .moving = true});
     expect_exact({.algorithm = "statistical", .moving = true});
     expect_exact({.algorithm = "lazy_grid", .moving = true});
 }

@@ -58,6 +58,12 @@ const std::vector<Case>& cases()
         {"chc_plus_plus", {{"multiqueries", "off"}}},
         {"chc_plus_plus", {{"multiqueries", "analytic"}}},
         {"chc_plus_plus", {{"depth_only_pass", "true"}}},
+        {"uniform_grid", {{"cell_triangles", "500"}}},
+        {"uniform_grid", {{"cell_triangles", "2000"}, {"nested_levels", "0"}}},
+        {"uniform_grid", {{"cell_triangles", "4000"}, {"nested_levels", "2"}}},
+        {"two_phase", {}},
+        {"two_phase", {{"virtual_leaves", "true"}, {"refine", "false"}}},
+        {"two_phase", {{"reread_triangles", "1000"}, {"final_depth", "true"}}},
         {"statistical", {}},
         {"statistical", {{"issue", "at_place"}}},
         {"statistical", {{"results", "oldest"}}},
@@ -79,6 +85,32 @@ std::vector<Case> cases_on_every_hierarchy()
         }
     }
     return all;
+}
+
+// True for those that test the cells of a grid of their own instead of nodes.
+bool tests_cells(const Case& c)
+{
+    return c.algorithm == "uniform_grid" || c.algorithm == "prioritized";
+}
+
+std::vector<Case> cases_with_queries()
+{
+    std::vector<Case> cases = cases_on_every_hierarchy();
+    std::erase_if(cases, [](const Case& c) {
+        return !find_algorithm(c.algorithm)->needs.queries || tests_cells(c);
+    });
+    return cases;
+}
+
+// Depth for algorithms that read it: tiles of 8x8 pixels, near and far at random.
+bool tiled_depth(uint64_t frame, const PixelRect& rect, std::span<float> out)
+{
+    for (size_t i = 0; i < out.size(); ++i) {
+        const uint64_t x = static_cast<uint64_t>(rect.x) + i % static_cast<size_t>(rect.width);
+        const uint64_t y = static_cast<uint64_t>(rect.y) + i / static_cast<size_t>(rect.width);
+        out[i] = hash64(frame / 5, x / 8, y / 8) % 4 == 0 ? 1.0f : 0.995f;
+    }
+    return true;
 }
 
 // A camera that walks through the boxes, turns by 90 degrees and jumps.
@@ -112,6 +144,10 @@ protected:
     {
         DeviceScript script{.boxes = test::consistent_visibility(tree_, 9, frame_, share)};
         script.caps.draw_and_query = true;
+        script.caps.read_depth = true;
+        script.depth = [this](const PixelRect& rect, std::span<float> out) {
+            return tiled_depth(frame_, rect, out);
+        };
         return script;
     }
 
@@ -119,6 +155,9 @@ protected:
     const Hierarchy tree_ = kind_.build(test::random_boxes(600, 21), 300);
     uint64_t frame_ = 0;
 };
+
+/// Those whose hidden nodes a test of the device has found.
+class QueryInvariants : public Invariants {};
 
 TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
 {
@@ -138,7 +177,7 @@ TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
     EXPECT_EQ(violations, std::vector<std::string>{}); // I3 is C10, I5 is C5
 }
 
-TEST_P(Invariants, EveryItemInTheFrustumIsDrawnOrCoveredByATestOfThisFrame)
+TEST_P(QueryInvariants, EveryItemInTheFrustumIsDrawnOrCoveredByATestOfThisFrame)
 {
     ScriptedDevice device(script());
     const auto culler = make();
@@ -230,7 +269,7 @@ TEST_P(Invariants, TheReportAgreesWithACountFromOutside)
     }
 }
 
-TEST_P(Invariants, LostAnswersOnlyMakeMoreVisible)
+TEST_P(QueryInvariants, LostAnswersOnlyMakeMoreVisible)
 {
     DeviceScript lossy = script();
     lossy.latency = [](uint64_t test) { return test % 3 == 0 ? Latency::lost() : Latency{}; };
@@ -257,6 +296,7 @@ TEST_P(Invariants, ADeviceWithoutAnswersInTheSameFrameDrawsEverything)
 {
     DeviceScript slow = script();
     slow.caps.same_frame_results = false;
+    slow.caps.read_depth = false;
     ScriptedDevice device(slow);
     const auto culler = make();
     for (frame_ = 0; frame_ < 4; ++frame_) {
@@ -336,6 +376,7 @@ TEST_P(Invariants, AResetForgetsEverything)
 
 INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases_on_every_hierarchy()),
                          name_of);
+INSTANTIATE_TEST_SUITE_P(Cull, QueryInvariants, ::testing::ValuesIn(cases_with_queries()), name_of);
 
 template <class C>
 void expect_visible_nodes_have_visible_ancestors(C& culler, const Hierarchy& tree)
