@@ -204,10 +204,7 @@ Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> it
         }
     }
     OCCLUDE_VALIDATE(check_structure(result));
-    for (size_t id = all.size(); id-- > 0;) {
-        all[id].subtree_triangles = triangle_sum(all[id], all, result.item_bounds_);
-        all[id].box = merged_box(all[id], all, result.item_bounds_);
-    }
+    result.refit_nodes();
     return result;
 }
 
@@ -232,9 +229,11 @@ void Hierarchy::set_virtual_leaves(uint32_t triangles)
     }
 }
 
-void Hierarchy::refit_boxes()
+void Hierarchy::refit_nodes()
 {
+    // Backward, so that children are finished before their parents.
     for (size_t id = nodes_.size(); id-- > 0;) {
+        nodes_[id].subtree_triangles = triangle_sum(nodes_[id], nodes_, item_bounds_);
         nodes_[id].box = merged_box(nodes_[id], nodes_, item_bounds_);
     }
 }
@@ -244,10 +243,12 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
     for (size_t i = 0; i < items_.size(); ++i) {
         const bool known = items_[i].value < bounds_by_item.size();
         OCCLUDE_ASSERT(known, "refit() needs the bounds of every item in the hierarchy");
-        item_bounds_[i].box =
-            known ? sanitized(bounds_by_item[items_[i].value].box) : Aabb::everything();
+        const uint32_t item = items_[i].value;
+        item_bounds_[i].box = known ? sanitized(bounds_by_item[item].box) : Aabb::everything();
+        item_bounds_[i].triangles =
+            known ? bounds_by_item[item].triangles : item_bounds_[i].triangles;
     }
-    refit_boxes();
+    refit_nodes();
     OCCLUDE_VALIDATE(validate(*this));
 }
 

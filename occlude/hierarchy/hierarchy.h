@@ -72,9 +72,11 @@ public:
     /// its children keep apart. Takes a new structure version. O(nodes).
     void set_virtual_leaves(uint32_t triangles);
 
-    /// Takes new bounds of all items, indexed by ItemId, and refits all boxes bottom-up, keeping
-    /// the structure, the virtual leaves and the triangle counts. An item beyond the end of
-    /// `bounds_by_item` becomes unbounded (and is a caller's bug). O(items + nodes).
+    /// Takes new boxes and triangle counts of all items, indexed by ItemId, and refits all nodes
+    /// bottom-up, keeping the structure and the virtual leaves. An item with an empty box is never
+    /// drawn: so objects can vanish, and their ids be given to others, without a new structure. An
+    /// item beyond the end of `bounds_by_item` becomes unbounded and keeps its count (and is a
+    /// caller's bug). O(items + nodes).
     void refit(std::span<const ItemBounds> bounds_by_item);
 
     /// Changes whenever node ids or leaves lose their meaning; no two structures of a process share
@@ -90,7 +92,7 @@ public:
                                  std::vector<ItemBounds> item_bounds);
 
 private:
-    void refit_boxes();
+    void refit_nodes();
 
     std::vector<Node> nodes_;
     std::vector<ItemId> items_;

@@ -192,13 +192,13 @@ TEST(Hierarchy, StructureVersionChangesWithTheStructureOnly)
     EXPECT_NE(Parts{}.build().structure_version(), Hierarchy{}.structure_version());
 }
 
-TEST(Hierarchy, RefitTakesNewBoxesByItemIdAndKeepsTheRest)
+TEST(Hierarchy, RefitTakesNewBoxesAndCountsByItemIdAndKeepsTheStructure)
 {
     Hierarchy tree = Parts{}.build();
     tree.set_virtual_leaves(111);
     std::vector<ItemBounds> moved = by_item(tree);
     moved[2].box = {glm::vec3{50.0f}, glm::vec3{51.0f}};
-    moved[2].triangles = 77; // counts stay
+    moved[2].triangles = 77; // the id is another object's now
     moved[3].box = Aabb::empty();
     moved[4].box.max.z = kNan;
     tree.refit(moved);
@@ -206,7 +206,7 @@ TEST(Hierarchy, RefitTakesNewBoxesByItemIdAndKeepsTheRest)
     EXPECT_EQ(tree.node(NodeId{5u}).box, moved[2].box);
     EXPECT_EQ(tree.node(NodeId{2u}).box, (Aabb{glm::vec3{0.0f}, glm::vec3{51.0f}}));
     EXPECT_EQ(tree.node(NodeId{1u}).box, Aabb::everything());
-    EXPECT_EQ(tree.node(NodeId{5u}).subtree_triangles, 100u);
+    EXPECT_EQ(tree.node(NodeId{5u}).subtree_triangles, 77u);
     EXPECT_TRUE(tree.is_leaf(NodeId{2u}));
 }
 

@@ -38,9 +38,22 @@ Session::Session(SceneModel model, const StageOptions& options)
     : options_(options)
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
-    , hierarchy_(find_hierarchy_kind(options.hierarchy)
-                     ->build(scene_.scene.item_bounds(), options.leaf_triangles))
+    , hierarchy_(build(scene_.scene.item_bounds()))
 {
+}
+
+Hierarchy Session::build(std::span<const ItemBounds> items) const
+{
+    return find_hierarchy_kind(options_.hierarchy)->build(items, options_.leaf_triangles);
+}
+
+Stage Session::stage()
+{
+    Stage stage{hierarchy_, scene_.scene.item_bounds(), *renderer_};
+    if (motion_) {
+        stage.go_to = [this](size_t frame) { motion_->go_to(frame); };
+    }
+    return stage;
 }
 
 Result<bool> Session::make_renderer(std::ostream& notes)
@@ -86,6 +99,11 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
     std::unique_ptr<Session> session{new Session{std::move(*model), options}};
     if (const auto made = session->make_renderer(notes); !made) {
         return made.error();
+    }
+    if (!session->model_.motion.empty()) {
+        session->motion_ = std::make_unique<MotionPlayer>(
+            session->model_, session->scene_, session->hierarchy_, *session->renderer_,
+            [made = session.get()](auto items) { return made->build(items); });
     }
     return session;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "commands/options.h"
+#include "measure/motion_player.h"
 #include "measure/stage.h"
 
 #include <iosfwd>
@@ -24,7 +25,9 @@ public:
     const std::string& device_name() const { return device_name_; }
     const StageOptions& options() const { return options_; }
 
-    Stage stage() { return {hierarchy_, scene_.scene.item_bounds(), *renderer_}; }
+    /// Valid as long as the session. If the scene moves, set_frame() changes the session's scene,
+    /// hierarchy and renderer.
+    Stage stage();
 
     /// The cameras of a path, with near and far chosen. Never empty.
     Result<std::vector<Camera>> cameras(const std::string& path) const;
@@ -37,6 +40,7 @@ public:
 private:
     Session(SceneModel model, const StageOptions& options);
     Result<bool> make_renderer(std::ostream& notes);
+    Hierarchy build(std::span<const ItemBounds> items) const;
 
     StageOptions options_;
     SceneModel model_;
@@ -44,6 +48,7 @@ private:
     Hierarchy hierarchy_;
     std::unique_ptr<SceneRenderer> renderer_;
     std::string device_name_;
+    std::unique_ptr<MotionPlayer> motion_; ///< null: nothing moves
 };
 
 /// Errors for choices that this version does not have. Costs nothing: call it before loading.

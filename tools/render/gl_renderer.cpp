@@ -2,6 +2,8 @@
 
 #include "render/gl_shaders.h"
 
+#include <occlude/core/assert.h>
+
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
@@ -78,6 +80,7 @@ public:
     void draw_lines(const View& view, std::span<const glm::vec3> points, glm::vec4 color,
                     bool on_top) override;
     void update_transforms(std::span<const glm::mat4> world_from_mesh) override;
+    void update_items(std::span<const SceneModel::Item> items) override;
 
 private:
     GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const SceneModel& model,
@@ -92,6 +95,7 @@ private:
     void use_camera(const gl::GlProgram& program) const;
 
     std::unique_ptr<gl::HeadlessContext> context_; // first: everything below dies in it
+    const SceneModel& model_;
     int gl_version_ = 0;
     glm::vec3 toward_light_{0.0f, 1.0f, 0.0f};
     size_t item_count_ = 0;
@@ -109,6 +113,7 @@ private:
 GlRenderer::GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const SceneModel& model,
                        std::span<const SceneModel::Item> items, int gl_version)
     : context_(std::move(context))
+    , model_(model)
     , gl_version_(gl_version)
     , toward_light_(direction_toward_light(model.up))
     , item_count_(items.size())
@@ -331,6 +336,13 @@ void GlRenderer::update_transforms(std::span<const glm::mat4> world_from_mesh)
 {
     context_->make_current();
     geometry_.update_transforms(world_from_mesh);
+}
+
+void GlRenderer::update_items(std::span<const SceneModel::Item> items)
+{
+    OCCLUDE_ASSERT(items.size() == item_count_, "update_items(): the number of items is fixed");
+    context_->make_current();
+    geometry_.update_items(model_, items);
 }
 
 } // namespace

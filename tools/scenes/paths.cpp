@@ -122,7 +122,9 @@ std::vector<Keyframe> walk_keys(const SceneModel& model, size_t frame_count)
 
 std::vector<Keyframe> auto_keys(const SceneModel& model, size_t frame_count)
 {
-    std::vector<Keyframe> keys = walk_keys(model, frame_count);
+    // What stands anywhere now may be elsewhere later: no floors.
+    std::vector<Keyframe> keys =
+        model.motion.empty() ? walk_keys(model, frame_count) : std::vector<Keyframe>{};
     return keys.empty() ? orbit_keys(model) : keys;
 }
 
