@@ -50,7 +50,7 @@ SceneModel crowd()
 {
     SceneModel model = generate_movers({.count = 300, .seed = 3, .triangles = 8000});
     for (Instance& instance : model.instances) {
-        instance.world_from_mesh[3] *= glm::vec4{glm::vec3{0.3f}, 1.0f};
+        instance.world_from_mesh[3] *= glm::vec4{glm::vec3{0.42f}, 1.0f};
     }
     model.motion.box = {glm::vec3{-15.0f}, glm::vec3{15.0f}};
     for (InstanceMotion& motion : model.motion.instances) {
@@ -254,7 +254,7 @@ TEST(MotionPlayer, AllAlgorithmsAreExactWithOpenGlWhileEverythingMoves)
     MovingStage moving{crowd()};
     const auto renderer = make_gl_renderer(moving.tiny.model, moving.tiny.scene.items, kSize, 1);
     ASSERT_TRUE(renderer) << renderer.error().message;
-    expect_exact(moving.stage(&**renderer), path_views(moving.tiny.model, "orbit", 40));
+    expect_exact(moving.stage(&**renderer), path_views(moving.tiny.model, "orbit", 24));
 }
 
 TEST(MotionPlayer, BothRenderersShowTheSameObjectsAfterIdsWereUsedAgain)
@@ -283,7 +283,11 @@ TEST(MotionPlayer, BothRenderersShowTheSameObjectsAfterIdsWereUsedAgain)
 
 TEST(MotionPlayer, AMissingRefitIsCaught)
 {
-    MovingStage moving{crowd()};
+    SceneModel model = crowd();
+    for (InstanceMotion& motion : model.motion.instances) {
+        motion.period = 0;
+    }
+    MovingStage moving{std::move(model)};
     Stage stage = moving.stage();
     // Everything moves but the tree: what is refitted is another one.
     Hierarchy refitted = moving.tiny.hierarchy;
@@ -294,7 +298,7 @@ TEST(MotionPlayer, AMissingRefitIsCaught)
     ASSERT_TRUE(runs);
     for (const AlgorithmRun& run : *runs) {
         EXPECT_GT(summarise(run).differing_pixels, 0u) << run.algorithm;
-        EXPECT_EQ(run.frames[0].verdict->missing.size(), 0u) << "nothing has moved yet";
+        EXPECT_EQ(run.frames[0].verdict->differing_pixels, 0u) << "nothing has moved yet";
     }
     EXPECT_FALSE(promises_kept(*runs));
 }

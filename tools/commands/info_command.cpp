@@ -77,9 +77,8 @@ double hierarchy_mebibytes(const Hierarchy& hierarchy)
 std::string objects_text(const SceneModel& model)
 {
     const auto& motions = model.motion.instances;
-    const auto passing = std::count_if(motions.begin(), motions.end(), [](const InstanceMotion& m) {
-        return m.period > 0;
-    });
+    const auto passing = std::count_if(motions.begin(), motions.end(),
+                                       [](const InstanceMotion& m) { return m.period > 0; });
     const std::string count = grouped(model.instances.size());
     return model.motion.empty() ? count
                                 : fmt::format("{}, moving, {} of them appear and vanish", count,

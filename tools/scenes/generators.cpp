@@ -185,7 +185,7 @@ const std::array<Generator, 4>& registry()
         Generator{{"boxes", "count=1000,seed=1", "boxes at random places in a cube of 100 m"},
                   make_boxes},
         Generator{{"movers", "count=2000,seed=1,triangles=500k",
-                   "boxes, slabs and lumps that fly and tumble in a cube of 100 m; one in four "
+                   "boxes, slabs and lumps that fly and tumble in a cube of 70 m; one in four "
                    "appears and vanishes; triangles: of all together"},
                   make_movers},
         Generator{{"blobs", "count=300,seed=1,triangles=70k",

@@ -14,7 +14,7 @@
 namespace occlude::tools {
 namespace {
 
-constexpr float kHalfCube = 50.0f; // metres, of the movers
+constexpr float kHalfCube = 35.0f; // metres, of the movers
 
 glm::vec3 random_point(Rng& rng, float half)
 {
@@ -109,6 +109,22 @@ void add_cube_face(Mesh& mesh, std::span<const Bump> bumps, int face, uint32_t s
             mesh.indices.insert(mesh.indices.end(), {a, b, c, d + 1, c, b});
         }
     }
+}
+
+/// Once around the cube, so near that it fills the view.
+SceneModel::NamedPath path_orbit(float half)
+{
+    constexpr uint32_t kSteps = 32;
+    SceneModel::NamedPath path{"orbit", {}};
+    const std::vector<glm::vec2> circle = unit_circle(kSteps);
+    for (uint32_t i = 0; i <= kSteps; ++i) {
+        const glm::vec2 at = 2.7f * half * circle[i % kSteps];
+        Camera camera;
+        camera.eye = {at.x, 0.6f * half, at.y};
+        camera.target = glm::vec3{0.0f};
+        path.keys.push_back({static_cast<float>(i), camera, false});
+    }
+    return path;
 }
 
 /// Through the middle of the cube, from corner to corner, in a loop.
@@ -211,7 +227,7 @@ SceneModel generate_movers(const MoversOptions& options, const SceneOptions& sce
         }
         model.motion.instances.push_back(motion);
     }
-    model.paths.push_back(path_inside(kHalfCube));
+    model.paths = {path_orbit(kHalfCube), path_inside(kHalfCube)};
     return model;
 }
 
@@ -237,7 +253,7 @@ SceneModel generate_blobs(const BlobsOptions& options, const SceneOptions& scene
             {fmt::format("blob {}", i), 0, world_from_mesh, random_color(rng)});
         model.motion.instances.push_back(random_motion(rng, 0.005f, 0.03f, 0.0f));
     }
-    model.paths.push_back(path_inside(half));
+    model.paths = {path_orbit(half), path_inside(half)};
     return model;
 }
 

@@ -13,7 +13,7 @@ struct MoversOptions {
     uint64_t triangles = 500000; ///< of all objects together, about
 };
 
-/// `count` boxes, slabs and lumps that fly straight and tumble in a cube of 100 m; one in four
+/// `count` boxes, slabs and lumps that fly straight and tumble in a cube of 70 m; one in four
 /// appears and vanishes again and again. The same for the same options everywhere.
 SceneModel generate_movers(const MoversOptions& options, const SceneOptions& scene_options = {});
 
