@@ -183,6 +183,7 @@ Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> it
     for (ItemBounds& item : result.item_bounds_) {
         item.box = sanitized(item.box);
     }
+    result.collect_flagged();
     const std::span<Node> all = result.nodes_;
     if (!all.empty()) {
         all[0].parent = NodeId{};
@@ -238,15 +239,35 @@ void Hierarchy::refit_nodes()
     }
 }
 
+void Hierarchy::collect_flagged()
+{
+    flagged_.clear();
+    for (uint32_t i = 0; i < std::min(items_.size(), item_bounds_.size()); ++i) {
+        if (has_flag(item_bounds_[i].flags, kDrawnOutOfTurn)) {
+            flagged_.push_back({items_[i], i});
+        }
+    }
+    std::sort(flagged_.begin(), flagged_.end());
+}
+
 void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
 {
+    bool flags_changed = false;
     for (size_t i = 0; i < items_.size(); ++i) {
+        ItemBounds& item = item_bounds_[i];
         const bool known = items_[i].value < bounds_by_item.size();
         OCCLUDE_ASSERT(known, "refit() needs the bounds of every item in the hierarchy");
-        const uint32_t item = items_[i].value;
-        item_bounds_[i].box = known ? sanitized(bounds_by_item[item].box) : Aabb::everything();
-        item_bounds_[i].triangles =
-            known ? bounds_by_item[item].triangles : item_bounds_[i].triangles;
+        if (!known) {
+            item.box = Aabb::everything();
+            continue;
+        }
+        const ItemFlags old_flags = item.flags;
+        item = bounds_by_item[items_[i].value];
+        item.box = sanitized(item.box);
+        flags_changed = flags_changed || item.flags != old_flags;
+    }
+    if (flags_changed) {
+        collect_flagged();
     }
     refit_nodes();
     OCCLUDE_VALIDATE(validate(*this));

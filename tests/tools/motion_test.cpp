@@ -52,6 +52,9 @@ SceneModel crowd()
     for (Instance& instance : model.instances) {
         instance.world_from_mesh[3] *= glm::vec4{glm::vec3{0.42f}, 1.0f};
     }
+    for (size_t i = 0; i < model.instances.size(); i += 7) {
+        model.instances[i].opacity = 0.5f;
+    }
     model.motion.box = {glm::vec3{-15.0f}, glm::vec3{15.0f}};
     for (InstanceMotion& motion : model.motion.instances) {
         motion.velocity *= 3.0f;

@@ -121,7 +121,8 @@ void draw_items_for(Session& session, const Culler& culler, const View& view, Sh
         return;
     }
     stage.renderer.set_item_colors(colors_by_state(culler, stage.item_bounds.size()));
-    stage.renderer.render(view, items_in_frustum(view, stage.item_bounds));
+    stage.renderer.render(
+        view, in_draw_order(view, stage.item_bounds, items_in_frustum(view, stage.item_bounds)));
     stage.renderer.set_item_colors({});
 }
 

@@ -1,5 +1,6 @@
 #include "measure/stage.h"
 
+#include <occlude/cull/back_to_front.h>
 #include <occlude/cull/registry.h>
 
 #include <algorithm>
@@ -24,11 +25,33 @@ std::vector<ItemId> items_in_frustum(const View& view, std::span<const ItemBound
 {
     std::vector<ItemId> items;
     for (size_t i = 0; i < item_bounds.size(); ++i) {
-        if (view.frustum().classify(item_bounds[i].box) != Containment::outside) {
+        const bool always =
+            has_flag(item_bounds[i].flags, ItemFlags::never_cull) && !item_bounds[i].box.is_empty();
+        if (always || view.frustum().classify(item_bounds[i].box) != Containment::outside) {
             items.emplace_back(i);
         }
     }
     return items;
+}
+
+std::vector<ItemId> in_draw_order(const View& view, std::span<const ItemBounds> item_bounds,
+                                  std::span<const ItemId> items)
+{
+    std::vector<ItemId> ordered;
+    std::vector<TranslucentItem> translucent;
+    for (const ItemId item : items) {
+        const ItemBounds& bounds = item_bounds[item.value];
+        if (has_flag(bounds.flags, ItemFlags::translucent)) {
+            translucent.push_back({view.distance_key(bounds.box), item, bounds.triangles});
+        } else {
+            ordered.push_back(item);
+        }
+    }
+    std::sort(translucent.begin(), translucent.end(), blended_before);
+    for (const TranslucentItem& blended : translucent) {
+        ordered.push_back(blended.item);
+    }
+    return ordered;
 }
 
 std::vector<ItemId> owners_of_pixels(std::span<const uint32_t> ids)

@@ -43,8 +43,14 @@ struct Contender {
 Result<std::vector<std::unique_ptr<Culler>>> make_cullers(const Stage& stage,
                                                           std::span<const Contender> contenders);
 
-/// The items whose boxes touch the frustum, in ascending order: what the reference image draws.
+/// The items whose boxes touch the frustum and those that are never culled, in ascending order:
+/// what the reference image shows.
 std::vector<ItemId> items_in_frustum(const View& view, std::span<const ItemBounds> item_bounds);
+
+/// `items` in an order in which they can be drawn: the opaque ones as they are, then the translucent
+/// ones back to front.
+std::vector<ItemId> in_draw_order(const View& view, std::span<const ItemBounds> item_bounds,
+                                  std::span<const ItemId> items);
 
 /// The different items in an id buffer, in ascending order.
 std::vector<ItemId> owners_of_pixels(std::span<const uint32_t> ids);

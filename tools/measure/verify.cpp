@@ -38,7 +38,7 @@ uint64_t count_set(const Mask& mask)
 
 Capture draw_and_capture(const Stage& stage, const View& view, std::span<const ItemId> items)
 {
-    stage.renderer.render(view, items);
+    stage.renderer.render(view, in_draw_order(view, stage.item_bounds, items));
     return stage.renderer.capture();
 }
 

@@ -25,6 +25,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <string_view>
 
 namespace occlude::tools {
 namespace {
@@ -232,6 +233,27 @@ glm::vec3 color_of(const aiScene& scene, const aiMesh& mesh)
     return pleasant_color(identity);
 }
 
+/// Below 1 for materials that are blended. glTF says so in a mode; other formats just give a number,
+/// and of those 0 means that nobody thought of it: a material that is not there is not exported.
+float opacity_of(const aiScene& scene, const aiMesh& mesh)
+{
+    if (mesh.mMaterialIndex >= scene.mNumMaterials) {
+        return 1.0f;
+    }
+    const aiMaterial& material = *scene.mMaterials[mesh.mMaterialIndex];
+    float opacity = 1.0f;
+    aiString mode;
+    if (material.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) == aiReturn_SUCCESS) {
+        aiColor4D color;
+        const bool blended = std::string_view{mode.C_Str()} == "BLEND" &&
+                             material.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS;
+        opacity = blended ? color.a : 1.0f;
+    } else {
+        material.Get(AI_MATKEY_OPACITY, opacity);
+    }
+    return opacity > 0.0f && opacity < 1.0f ? opacity : 1.0f;
+}
+
 /// The triangles of one Assimp mesh; without triangles if it has none that can be drawn.
 Mesh convert_mesh(const aiMesh& source)
 {
@@ -298,7 +320,8 @@ void add_instances(const aiScene& scene, const std::vector<uint32_t>& mesh_of, S
             Instance instance{.name = node.mName.C_Str(),
                               .mesh = mesh_of[source],
                               .world_from_mesh = world_from_node,
-                              .color = color_of(scene, *scene.mMeshes[source])};
+                              .color = color_of(scene, *scene.mMeshes[source]),
+                              .opacity = opacity_of(scene, *scene.mMeshes[source])};
             Aabb box;
             for (const MeshPart& part : model.meshes[instance.mesh].parts) {
                 box = merge(box, transformed(world_from_node, part.box));
