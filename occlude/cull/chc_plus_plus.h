@@ -60,8 +60,10 @@ struct ChcPlusPlusOptions {
     uint32_t assume_visible_frames = 10;
     /// Randomises the first test of a leaf that turned visible; false: after n_av frames.
     bool jitter = true;
-    /// d_max: how many levels below a node its tight bounds may come from. 0: its own box only.
-    uint32_t tight_bounds_depth = 3;
+    /// d_max: how many levels below a node its tight bounds may come from. 0: its own box only. The
+    /// paper takes 3, where boxes are nearly free; where each costs like dozens of triangles (software
+    /// OpenGL) 1 is faster: docs/algorithms/chc_plus_plus.md has the figures.
+    uint32_t tight_bounds_depth = 1;
     /// s_max: the tight bounds' area is at most this many times the node's.
     float tight_bounds_area = 1.4f;
     /// Virtual leaves of the hierarchy count as leaves; false: only nodes without children do.
