@@ -34,6 +34,7 @@ FrameCounters& FrameCounters::operator+=(const FrameCounters& other)
     lost_answers += other.lost_answers;
     depth_reads += other.depth_reads;
     pixels_read += other.pixels_read;
+    cells_asked += other.cells_asked;
     return *this;
 }
 

@@ -46,6 +46,7 @@ struct FrameCounters {
     uint64_t lost_answers = 0; ///< tests that the device could not answer: taken as visible
     uint64_t depth_reads = 0;  ///< calls of read_depth()
     uint64_t pixels_read = 0;
+    uint64_t cells_asked = 0; ///< grid cells whose pixels were looked at, whatever was read for it
 
     FrameCounters& operator+=(const FrameCounters& other);
     bool operator==(const FrameCounters&) const = default;
@@ -69,6 +70,7 @@ void for_each_counter(Counters& c, Visit&& visit)
     visit("lost_answers", c.lost_answers);
     visit("depth_reads", c.depth_reads);
     visit("pixels_read", c.pixels_read);
+    visit("cells_asked", c.cells_asked);
 }
 
 struct FrameReport {

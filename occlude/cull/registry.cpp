@@ -3,6 +3,7 @@
 #include <occlude/cull/chc.h>
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/frustum_culler.h>
+#include <occlude/cull/lazy_grid.h>
 #include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/prioritized.h>
 #include <occlude/cull/statistical.h>
@@ -184,6 +185,10 @@ std::vector<AlgorithmInfo> make_table()
     table.push_back(describe<Statistical, StatisticalOptions>(
         "statistical", "Kovalcik, Sochor 2005",
         "what was visible lately is drawn untested, the longer the more often it was", tests));
+    table.push_back(describe<LazyGrid, LazyGridOptions>(
+        "lazy_grid", "Hey, Tobler, Purgathofer 2001",
+        "boxes against the farthest depth of screen cells, updated when asked",
+        {.depth_read = true}));
     table.push_back(describe<UniformGrid, UniformGridOptions>(
         "uniform_grid", "Hillesland, Salomon, Lastra, Manocha 2002",
         "tests the cells of a uniform or nested grid of its own, slab by slab", tests));

@@ -1,15 +1,14 @@
 // Axis-aligned BSP tree with items in inner nodes.
 //
 // Implements  the tree of V. Kovalcik, J. Sochor, "Occlusion Culling with Statistically Optimized
-//             Occlusion Queries", WSCG 2005, section 3, and of V. Kovalcik, P. Tobola, "Real-Time
-//             Rendering of Dynamic Scenes" (two-level trees): each item is in exactly one node, the
-//             deepest one whose planes it does not straddle.
+//             Occlusion Queries", WSCG 2005, section 3, and of V. Kovalcik, P. Tobola, "Fast
+//             Rendering of Complex Dynamic Scenes" (the upper of its two levels): each item is in
+//             exactly one node, below all planes that it does not straddle.
 // Deviations  The papers do not say where the planes go; see BspOptions::Split. Node boxes are the
 //             boxes of the items, not the cells between the planes: tighter, and what is tested.
 // Guarantees  Deterministic: the same boxes give the same tree on every compiler. An item never
-//             straddles a plane above it, so siblings never overlap, and an item that moves can
-//             tell by a few comparisons whether it is still in its place.
-// Cost        O(n * depth), one thread; twice to three times build_bvh().
+//             straddles a plane above it, so siblings never overlap (until a refit).
+// Cost        O(n * depth), one thread.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>

@@ -16,16 +16,22 @@
 namespace occlude {
 
 struct BvhOptions {
-    /// A node of at most this many items is not split further.
+    /// A node of at most this many items is not split further. 0 counts as 1.
     uint32_t max_leaf_items = 1;
     /// Nodes with at most this many triangles become virtual leaves. The measured default; see
     /// docs/hierarchy.md. 0: no virtual leaves.
     uint32_t leaf_triangles = 4096;
+    /// Candidate planes per axis, plus one: 2 to 32.
     uint32_t bins = 16;
 };
 
-/// A BVH over items 0 .. items.size()-1. Empty and unbounded boxes are allowed: unbounded ones are
-/// gathered in a leaf of their own below the root, so that they do not spoil the other boxes.
+/// A BVH over items 0 .. items.size()-1; no items give an empty hierarchy. Each inner node has two
+/// children, each real leaf 1 to max_leaf_items items in the order of their ids.
+///
+/// Empty, unbounded and NaN boxes are allowed: the unbounded (and NaN) ones are gathered in a leaf
+/// of their own below the root, so that they do not spoil the other boxes, and the empty ones in
+/// another, whose box is empty: it is outside of every frustum, so that they are never drawn. Then
+/// the root has up to three children and never is a virtual leaf.
 Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options = {});
 
 } // namespace occlude

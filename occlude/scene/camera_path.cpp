@@ -27,8 +27,10 @@ glm::vec3 on_curve(std::span<const Keyframe> run, size_t i, float s, const Get& 
     const float dt = run[i + 1].time - run[i].time;
     const float s2 = s * s;
     const float s3 = s2 * s;
-    return (2.0f * s3 - 3.0f * s2 + 1.0f) * get(run[i]) + (s3 - 2.0f * s2 + s) * dt * tangent(i) +
-           (3.0f * s2 - 2.0f * s3) * get(run[i + 1]) + (s3 - s2) * dt * tangent(i + 1);
+    // Written so that equal keys give exactly their point.
+    const glm::vec3 from = get(run[i]);
+    return from + (3.0f * s2 - 2.0f * s3) * (get(run[i + 1]) - from) +
+           (s3 - 2.0f * s2 + s) * dt * tangent(i) + (s3 - s2) * dt * tangent(i + 1);
 }
 
 float mix_range(float a, float b, float s)

@@ -24,7 +24,9 @@ struct Triangles {
         const glm::vec3& a = positions[indices[3 * size_t{triangle}]];
         const glm::vec3& b = positions[indices[3 * size_t{triangle} + 1]];
         const glm::vec3& c = positions[indices[3 * size_t{triangle} + 2]];
-        return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
+        const glm::vec3 sum = a + b + c; // NaN if any of them is, which min and max may overlook
+        return sum == sum ? Aabb{glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))}
+                          : Aabb::everything();
     }
 };
 

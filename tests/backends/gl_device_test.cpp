@@ -219,6 +219,88 @@ TEST_F(GlDeviceTest, FlatBoxOnItsOwnWallIsVisibleWithoutInflation)
     device->end_frame();
 }
 
+TEST_F(GlDeviceTest, TiltedFlatBoxOnItsOwnWallIsVisibleAlmostEverywhere)
+{
+    // The wall comes in world space, the box through a matrix: depths differ in their last bits,
+    // and the bias must cover that at all distances.
+    make_scene({320, 240}, 1);
+    const View view = perspective_view({320, 240});
+    Rng rng(5);
+    for (int i = 0; i < 50; ++i) {
+        const float distance = std::exp2(rng.range(-1.0f, 8.0f));
+        const glm::mat4 world = glm::rotate(
+            glm::translate(glm::mat4{1.0f}, {0.0f, 0.0f, -distance}), rng.range(-1.3f, 1.3f),
+            glm::normalize(glm::vec3{rng.range(-1.0f, 1.0f), 1.0f, rng.range(-1.0f, 1.0f)}));
+        const float half = 0.3f * distance;
+        const auto corner = [&](float x, float y) {
+            return glm::vec3{glm::dmat4{world} * glm::dvec4{x, y, 0.0, 1.0}};
+        };
+        const glm::vec3 a = corner(-half, -half);
+        const glm::vec3 c = corner(half, half);
+        const ItemId wall =
+            scene->add_triangles(std::array{a, corner(half, -half), c, a, c, corner(-half, half)});
+        device->begin_frame(view);
+        const uint64_t drawn =
+            device->wait(device->draw_and_query({&wall, 1}, DrawPass::shade)).samples;
+        ASSERT_GT(drawn, 1000u);
+        EXPECT_GE(count({{-half, -half, 0.0f}, {half, half, 0.0f}}, &world), 2 * drawn * 98 / 100)
+            << "distance " << distance;
+        device->end_frame();
+    }
+}
+
+TEST_F(GlDeviceTest, ABoxIsNeverHiddenWhenATriangleInItWouldBeSeen)
+{
+    // C3 with triangles from a tenth of a pixel to some pixels, between and beyond random walls.
+    constexpr glm::ivec2 kOddSize{161, 97};
+    make_scene(kOddSize, 1);
+    const View view = perspective_view(kOddSize);
+    Rng rng(3);
+    for (int i = 0; i < 12; ++i) {
+        const float distance = rng.range(2.0f, 20.0f);
+        const glm::vec2 low = distance * glm::vec2{rng.range(-0.6f, 0.3f), rng.range(-0.6f, 0.3f)};
+        scene->add_quad(low, low + 0.3f * distance, -distance);
+    }
+    std::vector<ItemId> triangles;
+    std::vector<Aabb> boxes;
+    for (int i = 0; i < 2000; ++i) {
+        const float distance = rng.range(1.0f, 40.0f);
+        const float size = distance * 0.01f * std::exp2(rng.range(-4.0f, 3.0f));
+        const glm::vec3 place =
+            distance * glm::vec3{rng.range(-0.5f, 0.5f), rng.range(-0.5f, 0.5f), -1.0f};
+        const auto corner = [&] {
+            return place + size * glm::vec3{rng.range(-1, 1), rng.range(-1, 1), rng.range(-1, 1)};
+        };
+        const glm::vec3 a = corner();
+        const glm::vec3 b = corner();
+        const glm::vec3 c = corner();
+        triangles.push_back(scene->add_triangles(std::array{a, b, c, a, c, b}));
+        boxes.push_back({glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))});
+    }
+    device->begin_frame(view);
+    for (uint32_t wall = 0; wall < 12; ++wall) {
+        draw(ItemId{wall});
+    }
+    std::vector<Ticket> box_tickets;
+    std::vector<Ticket> triangle_tickets;
+    for (size_t i = 0; i < triangles.size(); ++i) {
+        box_tickets.push_back(ask(view.inflated_for_test(boxes[i])));
+        triangle_tickets.push_back(device->draw_and_query({&triangles[i], 1}, DrawPass::shade));
+    }
+    size_t hidden = 0;
+    size_t seen = 0;
+    for (size_t i = 0; i < triangles.size(); ++i) {
+        const uint64_t box = device->wait(box_tickets[i]).samples;
+        const uint64_t triangle = device->wait(triangle_tickets[i]).samples;
+        EXPECT_GE(box, triangle) << i;
+        hidden += box == 0 ? 1u : 0u;
+        seen += triangle > 0 ? 1u : 0u;
+    }
+    device->end_frame();
+    EXPECT_GT(hidden, triangles.size() / 10);
+    EXPECT_GT(seen, triangles.size() / 10);
+}
+
 TEST_F(GlDeviceTest, DepthBiasIsSmall)
 {
     const ItemId wall = scene->add_quad(kLow, kHigh, 0.3f);
@@ -511,7 +593,7 @@ TEST_F(GlDeviceTest, ReadDepthGivesTheRectangleRowByRowFromTheBottom)
 
 TEST_F(GlDeviceTest, ReadDepthOfMultisampledPixelsIsTheFarthestSample)
 {
-    for (const GLenum format : {GL_DEPTH_COMPONENT32F, GL_DEPTH24_STENCIL8}) {
+    for (const GLenum format : {GLenum{GL_DEPTH_COMPONENT32F}, GLenum{GL_DEPTH24_STENCIL8}}) {
         make_scene({40, 20}, 4, format);
         const View view = View::from_clip(glm::mat4{1.0f}, {40, 20});
         const float pixel = 2.0f / 40.0f;

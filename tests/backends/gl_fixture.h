@@ -1,8 +1,8 @@
 // A headless context and a tiny engine for tests of the GL backend: axis-aligned quads and boxes.
 #pragma once
 
+#include <occlude/backends/gl/detail/gl_object.h>
 #include <occlude/backends/gl/gl_device.h>
-#include <occlude/backends/gl/gl_object.h>
 #include <occlude/backends/gl/headless_context.h>
 #include <occlude/core/query_device.h>
 

@@ -226,6 +226,34 @@ TEST(Frustum, BoxWithAVisiblePointIsNeverOutsideInTinyAndHugeScenes)
     }
 }
 
+// Where rounding decides: points on the boundary, rounded to float to either side of it.
+TEST(Frustum, PointOnTheBoundaryThatIsVisibleIsNeverOutside)
+{
+    Rng rng(24);
+    int visible = 0;
+    int points = 0;
+    for (const Projection& projection : test::all_projections()) {
+        for (int i = 0; i < 1000; ++i) {
+            const float extent = i % 2 == 0 ? 10.0f : 1e4f; // near and far from the origin
+            const glm::mat4 clip =
+                projection.clip_from_eye * test::random_eye_from_world(rng, extent);
+            const Frustum frustum = Frustum::from_clip(clip, projection.convention);
+            glm::dvec4 ndc{rng.range(-1, 1), rng.range(-1, 1), rng.range(0.1f, 0.9f), 1.0};
+            ndc[static_cast<int>(rng.below(2))] = i % 4 < 2 ? 1.0 : -1.0;
+            const glm::dvec4 world = glm::inverse(glm::dmat4{clip}) * ndc;
+            const glm::vec3 p{glm::dvec3{world} / world.w};
+            const glm::dvec4 c = glm::dmat4{clip} * glm::dvec4{p, 1.0};
+            if (test::clip_margin(c, projection.convention) >= 0.0) {
+                EXPECT_NE(frustum.classify({p, p}), Containment::outside) << projection.name;
+                ++visible;
+            }
+            ++points;
+        }
+    }
+    EXPECT_GT(visible, points / 10);
+    EXPECT_LT(visible, 9 * points / 10);
+}
+
 TEST(Frustum, PlaneMaskingDownATreeEqualsTheFullTest)
 {
     Rng rng(31);

@@ -273,6 +273,57 @@ TEST(Exactness, OnEveryHierarchy)
     }
 }
 
+TEST(Exactness, LazyGridWithEachPartSwitched)
+{
+    const std::vector<std::vector<OptionValue>> switches{
+        {},
+        {{"cell_size", "1"}},
+        {{"cell_size", "7"}},
+        {{"cell_size", "1000"}},
+        {{"update", "busy"}},
+        {{"traversal", "two_lists"}},
+        {{"variant", "occlusion_buffer"}},
+        {{"variant", "occlusion_buffer"}, {"update", "busy"}},
+        {{"source", "queries"}},
+        {{"source", "queries"}, {"traversal", "two_lists"}, {"join", "rows"}},
+        {{"source", "queries"}, {"variant", "occlusion_buffer"}},
+        {{"source", "queries"}, {"variant", "occlusion_buffer"}, {"update", "busy"}},
+        {{"source", "queries"}, {"whole_cell_share", "0.4"}},
+        {{"join", "rows"}},
+        {{"join", "target"}, {"update", "busy"}},
+        {{"tests_at_once", "8"}},
+        {{"tests_at_once", "8"}, {"join", "rows"}, {"variant", "occlusion_buffer"}},
+        {{"free_below_covered", "0.6"}},
+        {{"whole_cell_share", "0.5"}},
+        {{"whole_cell_share", "0.5"}, {"join", "rows"}},
+        {{"internal_above_pixels", "900"}},
+    };
+    for (const std::vector<OptionValue>& options : switches) {
+        std::string name = "lazy_grid";
+        for (const OptionValue& option : options) {
+            name += " " + option.first + "=" + option.second;
+        }
+        SCOPED_TRACE(name);
+        expect_exact({.algorithm = "lazy_grid", .options = options, .late_answers = true});
+    }
+}
+
+TEST(Exactness, LazyGridInEveryClipConventionAndSize)
+{
+    for (const char* source : {"depth", "queries"}) {
+        SCOPED_TRACE(source);
+        const std::vector<OptionValue> options{{"source", source}};
+        for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
+            for (const DepthOrder order : {DepthOrder::near_is_small, DepthOrder::near_is_large}) {
+                expect_exact({.algorithm = "lazy_grid",
+                              .options = options,
+                              .convention = {range, order},
+                              .size = {67, 211}});
+            }
+        }
+    }
+}
+
 TEST(Exactness, InEveryClipConvention)
 {
     for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
@@ -298,6 +349,7 @@ TEST(Exactness, WhileEverythingMoves)
     expect_exact({.algorithm = "chc_plus_plus", .moving = true});
     expect_exact({.algorithm = "two_phase", .moving = true});
     expect_exact({.algorithm = "statistical", .moving = true});
+    expect_exact({.algorithm = "lazy_grid", .moving = true});
 }
 
 TEST(Exactness, WithLateAndLostAnswers)

@@ -1,7 +1,9 @@
 #include <occlude/cull/statistical.h>
 
 #include "support/trees.h"
+#include "support/visibility_script.h"
 
+#include <occlude/cull/stop_and_wait.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/hierarchy/bsp_builder.h>
 
@@ -235,6 +237,28 @@ TEST(Statistical, ABaseTimeOfZeroTestsEveryNodeInEveryFrame)
     for (uint64_t frame = 0; frame < 3; ++frame) {
         EXPECT_EQ(culler.cull(look_ahead(), device).counters.queries, 5u);
     }
+}
+
+TEST(Statistical, OnASmoothPathItAsksAtMostHalfOfWhatStopAndWaitAsks)
+{
+    const Hierarchy tree = test::random_bvh(600, 23);
+    uint64_t epoch = 0; // what is visible changes slowly, by some items
+    ScriptedDevice device({.boxes = test::consistent_visibility(tree, 7, epoch, 0.2f)});
+    Statistical statistical{tree};
+    StopAndWait stop_and_wait{tree};
+    FrameCounters asked;
+    FrameCounters baseline;
+    for (uint64_t frame = 0; frame < 240; ++frame) {
+        epoch = frame / 8;
+        const View view = look({0.0f, 0.0f, 110.0f - 0.05f * static_cast<float>(frame)}, {});
+        asked += statistical.cull(view, device).counters;
+        baseline += stop_and_wait.cull(view, device).counters;
+    }
+    EXPECT_LE(2 * asked.queries, baseline.queries);
+    EXPECT_LE(10 * asked.state_changes, baseline.state_changes);
+    // What turned hidden is drawn for a while more.
+    EXPECT_GE(asked.triangles_drawn, baseline.triangles_drawn);
+    EXPECT_LE(asked.triangles_drawn, 4 * baseline.triangles_drawn);
 }
 
 TEST(Statistical, ItemsOfAnInnerNodeAreDrawnWithItBeforeItsChildren)

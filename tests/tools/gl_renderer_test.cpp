@@ -240,6 +240,20 @@ TEST_F(GlRendererTest, MergedRunsDrawWhatSingleItemsDraw)
     expect_same(renderer->capture(), expected);
 }
 
+TEST_F(GlRendererTest, OnlyTrianglesThatFollowEachOtherAreMerged)
+{
+    // Parts 1 and 3, and 4 before 3, of one sphere: what lies between must not be drawn.
+    for (const std::array<uint32_t, 2>& parts : {std::array{2u, 4u}, std::array{5u, 4u}}) {
+        const std::array<ItemId, 2> two{ItemId{parts[0]}, ItemId{parts[1]}};
+        ASSERT_EQ(items[two[0].value].instance, items[two[1].value].instance);
+        const std::vector<uint32_t> ids = renderer->render_ids(test_view(), two);
+        const auto expected =
+            static_cast<ptrdiff_t>(ids.size()) - std::ranges::count(ids, 0xffffffffu);
+        EXPECT_GT(expected, 0);
+        EXPECT_EQ(covered(image_of(*renderer, two)), expected);
+    }
+}
+
 TEST_F(GlRendererTest, EachItemIsDrawnAlone)
 {
     // The second part of an instance, without the first: nothing else may come with it.

@@ -1,4 +1,4 @@
-#include "measure.h"
+#include "measure/measure.h"
 
 #include "tools/tiny_scenes.h"
 
@@ -68,9 +68,9 @@ TEST(OwnersOfPixels, AreTheDifferentItemsInOrderWithoutTheBackground)
 
 TEST(CompareWithReferences, FormsRatiosPerFrameBeforeAnythingIsSummedUp)
 {
-    std::vector<Run> runs;
+    std::vector<AlgorithmRun> runs;
     const auto add = [&](const char* name, double first, double second) {
-        Run run{name, {}, std::vector<FrameFigures>(2)};
+        AlgorithmRun run{name, {}, std::vector<FrameFigures>(2)};
         run.frames[0].frame_ms = first;
         run.frames[1].frame_ms = second;
         runs.push_back(run);
@@ -153,7 +153,7 @@ std::vector<View> small_walk()
     for (int i = 0; i < 6; ++i) {
         views.push_back(look_along_z({0.2f * static_cast<float>(i), 0.0f, 0.0f}));
     }
-    views.push_back(look_along_z({0.0f, 0.0f, -7.0f}));         // behind the wall: a jump
+    views.push_back(look_along_z({0.0f, 0.0f, -7.0f}));        // behind the wall: a jump
     views.push_back(look_along_z({0.0f, 0.0f, -7.0f}, 90.0f)); // ... and a turn
     return views;
 }
@@ -200,7 +200,7 @@ TEST(Measure, ReferencesCompareWithThemselvesAsOne)
     const std::vector<View> views = small_walk();
     const auto runs = measure(tiny.stage(), all_registered(), views);
     ASSERT_TRUE(runs);
-    for (const Run& run : *runs) {
+    for (const AlgorithmRun& run : *runs) {
         ASSERT_EQ(run.frames.size(), views.size());
         const Summary summary = summarise(run);
         EXPECT_GT(summary.frame_ms.median, 0.0) << run.algorithm;

@@ -1,8 +1,8 @@
 // Scenes of a few quads that tests can reason about by hand.
 #pragma once
 
+#include "measure/stage.h"
 #include "scenes/scene_model.h"
-#include "stage.h"
 
 #include <occlude/cull/cull_frame.h>
 #include <occlude/cull/registry.h>
@@ -21,7 +21,8 @@ inline void add_quad(SceneModel& model, glm::vec2 low, glm::vec2 high, float z,
 {
     Mesh mesh;
     mesh.name = "quad";
-    mesh.positions = {{low.x, low.y, z}, {high.x, low.y, z}, {high.x, high.y, z}, {low.x, high.y, z}};
+    mesh.positions = {
+        {low.x, low.y, z}, {high.x, low.y, z}, {high.x, high.y, z}, {low.x, high.y, z}};
     mesh.normals.assign(4, glm::vec3{0.0f, 0.0f, 1.0f});
     mesh.indices = {0, 1, 2, 0, 2, 3};
     mesh.parts = {{0, 6, {{low.x, low.y, z}, {high.x, high.y, z}}}};
@@ -50,12 +51,10 @@ inline SceneModel wall_model()
 inline View look_along_z(glm::vec3 eye = glm::vec3{0.0f}, float degrees = 0.0f,
                          glm::ivec2 size = {48, 32})
 {
-    const glm::mat4 clip_from_eye =
-        glm::perspectiveRH_NO(glm::radians(90.0f),
-                              static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f, 100.0f);
-    const glm::mat4 world_from_eye =
-        glm::rotate(glm::translate(glm::mat4{1.0f}, eye), glm::radians(degrees),
-                    glm::vec3{0.0f, 1.0f, 0.0f});
+    const glm::mat4 clip_from_eye = glm::perspectiveRH_NO(
+        glm::radians(90.0f), static_cast<float>(size.x) / static_cast<float>(size.y), 0.1f, 100.0f);
+    const glm::mat4 world_from_eye = glm::rotate(
+        glm::translate(glm::mat4{1.0f}, eye), glm::radians(degrees), glm::vec3{0.0f, 1.0f, 0.0f});
     return View::from_clip(clip_from_eye * glm::inverse(world_from_eye), size);
 }
 

@@ -1,4 +1,4 @@
-#include "verify.h"
+#include "measure/verify.h"
 
 #include "tools/tiny_scenes.h"
 
@@ -27,7 +27,6 @@ public:
     };
     explicit RowRenderer(std::vector<Strip> strips)
         : strips_(std::move(strips))
-        , device_({})
     {
     }
 
@@ -86,8 +85,10 @@ constexpr ItemId kC{2u};
 
 // Strips 0 and 1 lie in one plane and overlap in pixels 4 and 5; strip 2 is behind both.
 struct Coplanar {
-    RowRenderer renderer{{{0, 6, 0.5f, 0xff0000ffu}, {4, 10, 0.5f, 0xff00ff00u}, {3, 8, 0.7f, 0xffff0000u}}};
-    std::vector<ItemBounds> bounds{3, {{glm::vec3{-1.0f, -1.0f, -6.0f}, glm::vec3{1.0f, 1.0f, -5.0f}}, 2}};
+    RowRenderer renderer{
+        {{0, 6, 0.5f, 0xff0000ffu}, {4, 10, 0.5f, 0xff00ff00u}, {3, 8, 0.7f, 0xffff0000u}}};
+    std::vector<ItemBounds> bounds{
+        3, {{glm::vec3{-1.0f, -1.0f, -6.0f}, glm::vec3{1.0f, 1.0f, -5.0f}}, 2}};
     Hierarchy hierarchy = build_bvh(bounds, {.leaf_triangles = 0});
     View view = look_along_z();
 
@@ -169,7 +170,7 @@ TEST(Verify, AWrongCullerIsCaughtAndNamedWithFrameItemAndNode)
     EXPECT_EQ(summarise((*runs)[0]).differing_pixels, 0u);
     EXPECT_FALSE(promises_kept(*runs));
 
-    const Run& wrong = (*runs)[1];
+    const AlgorithmRun& wrong = (*runs)[1];
     EXPECT_EQ(wrong.frames[0].verdict->differing_pixels, 0u); // looks the other way
     const Verdict& verdict = *wrong.frames[1].verdict;
     EXPECT_GT(verdict.differing_pixels, 0u);
@@ -201,9 +202,11 @@ TEST(Verify, DroppingWhatNobodySeesIsRight)
     EXPECT_TRUE(promises_kept(*runs));
 }
 
-TEST(Verify, EveryAlgorithmKeepsItsPromiseThroughJumpsAndTurns)
+namespace {
+
+// Walks before and behind the wall with jumps between and turns on the way.
+void expect_all_algorithms_exact(const Stage& stage)
 {
-    TinyStage tiny{wall_model()};
     std::vector<View> views;
     for (int i = 0; i < 24; ++i) {
         const float x = static_cast<float>(i % 8) - 4.0f;
@@ -214,26 +217,65 @@ TEST(Verify, EveryAlgorithmKeepsItsPromiseThroughJumpsAndTurns)
     for (const AlgorithmInfo& info : algorithms()) {
         contenders.push_back(registered(info.name));
     }
-    const auto runs = verify(tiny.stage(), contenders, views);
+    const auto runs = verify(stage, contenders, views);
     ASSERT_TRUE(runs);
-    for (const Run& run : *runs) {
+    for (const AlgorithmRun& run : *runs) {
         EXPECT_EQ(summarise(run).differing_pixels, 0u) << run.algorithm;
         EXPECT_TRUE(summarise(run).verified) << run.algorithm;
     }
 }
 
+} // namespace
+
+TEST(Verify, EveryAlgorithmIsExactOnTheCpuThroughJumpsAndTurns)
+{
+    TinyStage tiny{wall_model()};
+    expect_all_algorithms_exact(tiny.stage());
+}
+
+TEST(Verify, EveryAlgorithmIsExactWithOpenGlThroughJumpsAndTurns)
+{
+    TinyStage tiny{wall_model()};
+    const auto renderer = make_gl_renderer(tiny.model, tiny.scene.items, {48, 32}, 1);
+    ASSERT_TRUE(renderer) << renderer.error().message;
+    expect_all_algorithms_exact({tiny.hierarchy, tiny.scene.scene.item_bounds(), **renderer});
+}
+
+TEST(Verify, CoplanarQuadsInAnotherOrderAreTiedWithOpenGl)
+{
+    SceneModel model;
+    model.name = "coplanar";
+    add_quad(model, {-2.0f, -1.0f}, {1.0f, 1.0f}, -4.0f, {1.0f, 0.0f, 0.0f});
+    add_quad(model, {-2.0f, -1.0f}, {1.0f, 1.0f}, -4.0f, {0.0f, 1.0f, 0.0f});
+    TinyStage tiny{std::move(model)};
+    const auto renderer = make_gl_renderer(tiny.model, tiny.scene.items, {48, 32}, 1);
+    ASSERT_TRUE(renderer) << renderer.error().message;
+    const Stage stage{tiny.hierarchy, tiny.scene.scene.item_bounds(), **renderer};
+    const View view = look_along_z();
+    const std::vector<ItemId> ascending = {ItemId{0u}, ItemId{1u}};
+    const std::vector<ItemId> descending = {ItemId{1u}, ItemId{0u}};
+    (*renderer)->render(view, ascending);
+    const Capture reference = (*renderer)->capture();
+    (*renderer)->render(view, descending);
+    const Capture culled = (*renderer)->capture();
+    ASSERT_NE(reference.color.pixels, culled.color.pixels) << "the order does not show";
+    const Verdict tied = judge_frame(stage, view, reference, culled, descending, {});
+    EXPECT_EQ(tied.differing_pixels, 0u);
+    EXPECT_GT(tied.tied_pixels, 0u);
+}
+
 TEST(Verify, OnlyExactPromisesCount)
 {
-    Run approximate{"chc", Guarantee::approximate(20), std::vector<FrameFigures>(1)};
+    AlgorithmRun approximate{"chc", Guarantee::approximate(20), std::vector<FrameFigures>(1)};
     approximate.frames[0].verdict = Verdict{.differing_pixels = 5};
-    EXPECT_TRUE(promises_kept(std::vector<Run>{approximate}));
+    EXPECT_TRUE(promises_kept(std::vector<AlgorithmRun>{approximate}));
     approximate.guarantee = Guarantee::exact();
-    EXPECT_FALSE(promises_kept(std::vector<Run>{approximate}));
+    EXPECT_FALSE(promises_kept(std::vector<AlgorithmRun>{approximate}));
 }
 
 TEST(DescribeDifferences, SaysHowManyFramesItLeftOut)
 {
-    Run run{"chc", {}, std::vector<FrameFigures>(5)};
+    AlgorithmRun run{"chc", {}, std::vector<FrameFigures>(5)};
     for (FrameFigures& frame : run.frames) {
         frame.verdict = Verdict{.differing_pixels = 1};
     }

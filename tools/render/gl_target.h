@@ -3,8 +3,8 @@
 
 #include "render/scene_renderer.h"
 
-#include <occlude/backends/gl/gl_depth_reader.h>
-#include <occlude/backends/gl/gl_object.h>
+#include <occlude/backends/gl/detail/gl_depth_reader.h>
+#include <occlude/backends/gl/detail/gl_object.h>
 
 #include <glm/vec2.hpp>
 

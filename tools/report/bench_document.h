@@ -1,7 +1,7 @@
 // Everything one report is about: one scene, one path, all algorithms.
 #pragma once
 
-#include "run.h"
+#include "measure/run.h"
 
 #include <glm/vec2.hpp>
 
@@ -26,7 +26,7 @@ struct BenchDocument {
     int samples = 1;
     size_t frames = 0;
     size_t repeat = 1;
-    std::vector<Run> runs;
+    std::vector<AlgorithmRun> runs;
 };
 
 } // namespace occlude::tools

@@ -45,7 +45,7 @@ private:
     std::string values_;
 };
 
-Row run_row(const BenchDocument& document, const Run& run)
+Row run_row(const BenchDocument& document, const AlgorithmRun& run)
 {
     const Summary summary = summarise(run);
     Row row;
@@ -89,7 +89,7 @@ std::string csv_report(std::span<const BenchDocument> documents)
 {
     std::string csv;
     for (const BenchDocument& document : documents) {
-        for (const Run& run : document.runs) {
+        for (const AlgorithmRun& run : document.runs) {
             const Row row = run_row(document, run);
             if (csv.empty()) {
                 csv = row.names() + "\n";

@@ -1,9 +1,9 @@
 #include "report/html_report.h"
 
+#include "measure/verify.h"
 #include "report/chart_js.h"
 #include "report/json_report.h"
 #include "report/table.h"
-#include "verify.h"
 
 #include <fmt/format.h>
 
@@ -82,7 +82,7 @@ std::string pixels_cell(const Summary& summary)
                        grouped(summary.differing_pixels));
 }
 
-std::string run_row(const Run& run)
+std::string run_row(const AlgorithmRun& run)
 {
     const Summary s = summarise(run);
     const auto per_frame = [&](uint64_t total) { return cell(figure(s.per_frame(total), 1)); };
@@ -108,7 +108,7 @@ std::string runs_table(const BenchDocument& document)
         html += fmt::format("<th>{}</th>", heading);
     }
     html += "</tr></thead><tbody>\n";
-    for (const Run& run : document.runs) {
+    for (const AlgorithmRun& run : document.runs) {
         html += run_row(run);
     }
     return html + "</tbody></table>\n<p>Counters are means per frame. Speed-up is against "
@@ -136,7 +136,7 @@ std::string differences(const BenchDocument& document)
 {
     constexpr size_t kMaxLines = 20;
     std::string items;
-    for (const Run& run : document.runs) {
+    for (const AlgorithmRun& run : document.runs) {
         for (const std::string& line : describe_differences(run, kMaxLines)) {
             items += "<li>" + html_escaped(line) + "</li>\n";
         }

@@ -47,6 +47,9 @@ Json counters_json(const FrameCounters& c, double wait_ms, double cull_cpu_ms, V
             {"triangles_drawn", value(c.triangles_drawn)},
             {"nodes_visited", value(c.nodes_visited)},
             {"waits", value(c.waits)},
+            {"depth_reads", value(c.depth_reads)},
+            {"pixels_read", value(c.pixels_read)},
+            {"cells_asked", value(c.cells_asked)},
             {"wait_ms", number(wait_ms)},
             {"cull_cpu_ms", number(cull_cpu_ms)}};
 }
@@ -68,7 +71,7 @@ Json frame_json(const FrameFigures& frame)
     return json;
 }
 
-Json run_json(const Run& run, const BenchDocument& document)
+Json run_json(const AlgorithmRun& run, const BenchDocument& document)
 {
     const Summary summary = summarise(run);
     Json frames = Json::array();
@@ -98,7 +101,7 @@ Json run_json(const Run& run, const BenchDocument& document)
 Json document_json(const BenchDocument& document)
 {
     Json runs = Json::array();
-    for (const Run& run : document.runs) {
+    for (const AlgorithmRun& run : document.runs) {
         runs.push_back(run_json(run, document));
     }
     return {{"version", 1},

@@ -32,7 +32,7 @@ std::string heading(const BenchDocument& document)
                        document.hierarchy, document.test);
 }
 
-std::vector<std::string> bench_row(const Run& run)
+std::vector<std::string> bench_row(const AlgorithmRun& run)
 {
     const Summary s = summarise(run);
     return {run.algorithm,
@@ -47,7 +47,7 @@ std::vector<std::string> bench_row(const Run& run)
             s.verified ? grouped(s.differing_pixels) : "-"};
 }
 
-std::vector<std::string> verify_row(const Run& run)
+std::vector<std::string> verify_row(const AlgorithmRun& run)
 {
     const Summary s = summarise(run);
     const bool exact = run.guarantee.kind == Guarantee::Kind::exact;
@@ -99,7 +99,7 @@ std::string bench_table(const BenchDocument& document)
     std::vector<std::vector<std::string>> rows = {{"algorithm", "median ms", "p99 ms", "speed-up",
                                                    "vs opt", "vs ideal", "queries", "state changes",
                                                    "triangles", "differing px"}};
-    for (const Run& run : document.runs) {
+    for (const AlgorithmRun& run : document.runs) {
         rows.push_back(bench_row(run));
     }
     return heading(document) + '\n' + align_columns(rows);
@@ -110,7 +110,7 @@ std::string verify_table(const BenchDocument& document)
     std::vector<std::vector<std::string>> rows = {{"algorithm", "promise", "frames", "differing px",
                                                    "differing frames", "tied px", "queries",
                                                    "triangles", "image"}};
-    for (const Run& run : document.runs) {
+    for (const AlgorithmRun& run : document.runs) {
         rows.push_back(verify_row(run));
     }
     return heading(document) + '\n' + align_columns(rows);

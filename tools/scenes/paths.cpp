@@ -39,39 +39,52 @@ glm::vec3 around(const GroundAxes& axes, float degrees)
     return std::cos(angle) * axes.right + std::sin(angle) * axes.forward;
 }
 
-/// How far from its centre a sphere around the box fills a view of 60 degrees.
-float standoff(const Aabb& bounds)
+/// How far from the middle of the box, in the direction `out`, all of it is in view, on a screen of
+/// 4:3 or wider.
+float standoff(const Aabb& bounds, const glm::vec3& out, const glm::vec3& up)
 {
-    return std::max(glm::length(bounds.extent()), 1e-3f);
+    constexpr float kUpward = 0.53f; // a little less than tan(30 degrees), half the field of view
+    constexpr float kSideways = 4.0f / 3.0f * kUpward;
+    const glm::vec3 half = 0.5f * bounds.extent();
+    const glm::vec3 right = glm::normalize(glm::cross(up, out));
+    const glm::vec3 top = glm::cross(out, right);
+    float distance = 1e-3f;
+    for (int i = 0; i < 8; ++i) {
+        const glm::vec3 corner =
+            half * glm::vec3{i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f};
+        const float across = std::max(std::abs(glm::dot(corner, right)) / kSideways,
+                                      std::abs(glm::dot(corner, top)) / kUpward);
+        distance = std::max(distance, glm::dot(corner, out) + across);
+    }
+    return distance;
+}
+
+/// Looking at the middle of the scene from the direction `degrees` around it and `rise` above.
+Camera looking_in(const SceneModel& model, const Aabb& bounds, float degrees, float rise)
+{
+    const glm::vec3 out = glm::normalize(around(ground_axes(model.up), degrees) + rise * model.up);
+    Camera camera;
+    camera.eye = bounds.center() + standoff(bounds, out, model.up) * out;
+    camera.target = bounds.center();
+    camera.up = model.up;
+    return camera;
 }
 
 std::vector<Keyframe> orbit_keys(const SceneModel& model)
 {
     constexpr int kSteps = 48;
     const Aabb bounds = world_bounds(model);
-    const GroundAxes axes = ground_axes(model.up);
     std::vector<Keyframe> keys;
     for (int i = 0; i <= kSteps; ++i) {
-        Keyframe key;
-        key.time = static_cast<float>(i);
-        const glm::vec3 out = around(axes, 360.0f * static_cast<float>(i) / kSteps);
-        key.camera.eye = bounds.center() + standoff(bounds) * (0.9f * out + 0.3f * model.up);
-        key.camera.target = bounds.center();
-        key.camera.up = model.up;
-        keys.push_back(key);
+        const float degrees = 360.0f * static_cast<float>(i) / kSteps;
+        keys.push_back({static_cast<float>(i), looking_in(model, bounds, degrees, 0.35f), false});
     }
     return keys;
 }
 
 std::vector<Keyframe> overview_keys(const SceneModel& model)
 {
-    const Aabb bounds = world_bounds(model);
-    Keyframe key;
-    const glm::vec3 out = around(ground_axes(model.up), -60.0f);
-    key.camera.eye = bounds.center() + standoff(bounds) * (0.65f * out + 0.65f * model.up);
-    key.camera.target = bounds.center();
-    key.camera.up = model.up;
-    return {key};
+    return {{0.0f, looking_in(model, world_bounds(model), -60.0f, 1.0f), false}};
 }
 
 /// What of a walk `frame_count` frames can show at a human pace.
@@ -102,7 +115,7 @@ const SceneModel::NamedPath* find_named(const SceneModel& model, std::string_vie
 std::vector<Keyframe> walk_keys(const SceneModel& model, size_t frame_count)
 {
     if (const SceneModel::NamedPath* street = find_named(model, "street")) {
-        return street->keys;
+        return paced(street->keys, model.unit, frame_count);
     }
     return paced(find_walk(model), model.unit, frame_count);
 }
@@ -136,7 +149,7 @@ std::vector<Keyframe> keys_by_name(const std::string& name, const SceneModel& mo
                                    size_t frame_count)
 {
     if (const SceneModel::NamedPath* path = find_named(model, name)) {
-        return path->keys;
+        return name == "street" ? walk_keys(model, frame_count) : path->keys;
     }
     if (name == "auto") {
         return auto_keys(model, frame_count);

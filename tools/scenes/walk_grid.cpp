@@ -15,8 +15,9 @@ constexpr float kFinestCell = 0.25f; // metres
 constexpr int kMostCells = 800;      // along the ground
 constexpr int kMostLayers = 255;
 constexpr float kHeadroom = 1.95f;      // metres
-constexpr float kStep = 0.45f;          // metres
+constexpr float kStep = 0.6f;           // metres
 constexpr float kShoulder = 0.35f;      // metres
+constexpr float kClutterCell = 4.0f;    // metres
 constexpr float kInterestReach = 15.0f; // metres
 
 glm::mat3 local_axes(const glm::vec3& up)
@@ -71,6 +72,7 @@ SolidGrid::SolidGrid(const SceneModel& model)
     bits_.assign(static_cast<size_t>(size_x_) * static_cast<size_t>(size_z_) *
                      static_cast<size_t>(words_),
                  0);
+    count_items(model);
     std::vector<glm::vec3> cells;
     for (const Instance& instance : model.instances) {
         const Mesh& mesh = model.meshes[instance.mesh];
@@ -83,6 +85,42 @@ SolidGrid::SolidGrid(const SceneModel& model)
             mark(cells[mesh.indices[i]], cells[mesh.indices[i + 1]], cells[mesh.indices[i + 2]]);
         }
     }
+}
+
+void SolidGrid::count_items(const SceneModel& model)
+{
+    const float size = kClutterCell * model.unit;
+    clutter_cell_ = {std::max(1, static_cast<int>(size / cell_)),
+                     std::max(1, static_cast<int>(size / cell_y_)),
+                     std::max(1, static_cast<int>(size / cell_))};
+    clutter_size_ = glm::ivec3{size_x_, size_y_, size_z_} / clutter_cell_ + 1;
+    items_.assign(static_cast<size_t>(clutter_size_.x) * static_cast<size_t>(clutter_size_.y) *
+                      static_cast<size_t>(clutter_size_.z),
+                  0);
+    for (const Instance& instance : model.instances) {
+        for (const MeshPart& part : model.meshes[instance.mesh].parts) {
+            const Aabb box = transformed(instance.world_from_mesh, part.box);
+            const glm::ivec3 at{to_cells(box.center())};
+            ++items_[clutter_cell(at.x, at.y, at.z)];
+        }
+    }
+}
+
+size_t SolidGrid::clutter_cell(int x, int y, int z) const
+{
+    const glm::ivec3 at =
+        glm::clamp(glm::ivec3{x, y, z} / clutter_cell_, glm::ivec3{0}, clutter_size_ - 1);
+    return (static_cast<size_t>(at.z) * static_cast<size_t>(clutter_size_.y) +
+            static_cast<size_t>(at.y)) *
+               static_cast<size_t>(clutter_size_.x) +
+           static_cast<size_t>(at.x);
+}
+
+float SolidGrid::clutter(int x, int y, int z) const
+{
+    const auto count = static_cast<float>(items_[clutter_cell(x, y, z)] +
+                                          items_[clutter_cell(x, y + clutter_cell_.y, z)]);
+    return std::min(1.0f, 0.25f * std::sqrt(count));
 }
 
 glm::vec3 SolidGrid::to_cells(const glm::vec3& world) const
@@ -329,14 +367,14 @@ float WalkGraph::interest_at(const Foothold& foothold) const
             }
         }
     }
-    return 0.25f * static_cast<float>(walls);
+    const float clutter = grid_->clutter(foothold.x, foothold.y, foothold.z);
+    return 0.25f * static_cast<float>(walls) * (0.25f + 0.75f * clutter);
 }
 
-std::vector<uint32_t> WalkGraph::best_region()
+Region WalkGraph::best_region()
 {
     std::vector<bool> seen(footholds_.size(), false);
-    std::vector<uint32_t> best;
-    float best_score = 0.0f;
+    Region best;
     for (uint32_t start = 0; start < footholds_.size(); ++start) {
         if (seen[start]) {
             continue;
@@ -363,9 +401,8 @@ std::vector<uint32_t> WalkGraph::best_region()
             footholds_[foothold].interest = interest;
             score += 0.02f + interest * interest;
         }
-        if (score > best_score) {
-            best_score = score;
-            best = std::move(region);
+        if (score > best.score) {
+            best = {std::move(region), score};
         }
     }
     return best;

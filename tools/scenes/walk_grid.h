@@ -31,6 +31,9 @@ public:
     bool solid(int x, int y, int z) const;
     /// True if any cell of [y_begin, y_end) is solid.
     bool any_solid(int x, int z, int y_begin, int y_end) const;
+    /// How much there is to see in the cells around: 0 to 1, growing with the number of items whose
+    /// middle lies within some metres.
+    float clutter(int x, int y, int z) const;
     bool column_empty(int x, int z) const { return !any_solid(x, z, 0, size_y_); }
 
     /// From local cell coordinates to the world.
@@ -38,6 +41,8 @@ public:
     glm::vec3 to_cells(const glm::vec3& world) const;
 
 private:
+    void count_items(const SceneModel& model);
+    size_t clutter_cell(int x, int y, int z) const;
     void mark(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
     void mark_range(int x, int z, float low, float high);
 
@@ -50,6 +55,9 @@ private:
     int size_z_ = 1;
     int words_ = 1; ///< per column
     std::vector<uint64_t> bits_;
+    glm::ivec3 clutter_cell_{1}; ///< cells per cell of items_
+    glm::ivec3 clutter_size_{1};
+    std::vector<uint32_t> items_; ///< items by their middle, in coarse cells
 };
 
 /// A place to stand: the free cell above a floor.
@@ -57,12 +65,18 @@ struct Foothold {
     int x = 0;
     int y = 0;
     int z = 0;
-    float interest = 0.0f; ///< 0 (open all round) to 1 (walls on four sides within 15 m)
+    float interest = 0.0f; ///< 0 (open all round) to 1 (walls near on four sides, much to see)
 };
 
 enum class Ground {
     real,       ///< only what the scene has
     made_up_too ///< also a floor in columns without any triangle, at the height of what is near
+};
+
+/// Footholds connected by steps.
+struct Region {
+    std::vector<uint32_t> footholds;
+    float score = 0.0f; ///< grows with size and interest
 };
 
 /// All footholds with headroom and a little room around, and which can be stepped to from which.
@@ -78,8 +92,8 @@ public:
     uint32_t find(int x, int y, int z) const;
     /// Where one step leads from `foothold`, in the eight directions; kNone where it does not.
     uint32_t step(uint32_t foothold, int dx, int dz) const;
-    /// The footholds of the region, connected by steps, that is largest and most enclosed.
-    std::vector<uint32_t> best_region();
+    /// The region that is largest and most interesting; empty if there is none of some size.
+    Region best_region();
 
 private:
     void add_footholds(int x, int z, std::span<const int> floors);

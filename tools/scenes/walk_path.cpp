@@ -19,7 +19,7 @@ constexpr float kLegLength = 90.0f;   // metres: how far the next waypoint may b
 constexpr float kWalkLength = 300.0f; // metres
 constexpr float kLeastLength = 10.0f; // metres: less is no walk
 constexpr float kLeastArea = 40.0f;   // square metres: less is no floor
-constexpr float kLeastShare = 0.03f;  // of the scene's ground, before ground is made up
+constexpr float kRealGround = 1.5f;   // made-up ground must score this much higher
 constexpr uint32_t kMostWaypoints = 8;
 
 constexpr std::array<std::array<int, 2>, 8> kDirections{
@@ -258,23 +258,21 @@ std::vector<Keyframe> find_walk(const SceneModel& model)
         return {};
     }
     const SolidGrid grid(model);
-    const float cell_area = grid.cell() * grid.cell();
-    const auto area_of = [&](const std::vector<uint32_t>& region) {
-        return static_cast<float>(region.size()) * cell_area;
-    };
-    const float ground_area =
-        static_cast<float>(grid.size_x()) * static_cast<float>(grid.size_z()) * cell_area;
-
     WalkGraph graph(grid, unit, Ground::real);
-    std::vector<uint32_t> region = graph.best_region();
-    if (area_of(region) < kLeastShare * ground_area) {
-        graph = WalkGraph(grid, unit, Ground::made_up_too);
-        region = graph.best_region();
+    Region region = graph.best_region();
+    WalkGraph outdoors(grid, unit, Ground::made_up_too);
+    if (outdoors.footholds().size() > graph.footholds().size()) {
+        Region outside = outdoors.best_region();
+        if (outside.score > kRealGround * region.score) {
+            graph = std::move(outdoors);
+            region = std::move(outside);
+        }
     }
-    if (area_of(region) < kLeastArea * unit * unit) {
+    const float area = static_cast<float>(region.footholds.size()) * grid.cell() * grid.cell();
+    if (area < kLeastArea * unit * unit) {
         return {};
     }
-    Planner planner(graph, std::move(region), unit / grid.cell());
+    Planner planner(graph, std::move(region.footholds), unit / grid.cell());
     const std::vector<uint32_t> walk = planner.plan();
     const std::vector<glm::vec3> eyes = eyes_above(smoothed(graph, walk), grid, unit);
     if (length_of(eyes) < kLeastLength * unit) {

@@ -1,4 +1,4 @@
-#include <occlude/backends/gl/gl_depth_reader.h>
+#include <occlude/backends/gl/detail/gl_depth_reader.h>
 
 #include <glm/common.hpp>
 

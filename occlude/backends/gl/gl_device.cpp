@@ -1,8 +1,8 @@
 #include <occlude/backends/gl/gl_device.h>
 
-#include <occlude/backends/gl/gl_depth_reader.h>
-#include <occlude/backends/gl/gl_query_pool.h>
-#include <occlude/backends/gl/gl_query_tests.h>
+#include <occlude/backends/gl/detail/gl_depth_reader.h>
+#include <occlude/backends/gl/detail/gl_query_pool.h>
+#include <occlude/backends/gl/detail/gl_query_tests.h>
 #include <occlude/core/assert.h>
 
 #include <glm/common.hpp>

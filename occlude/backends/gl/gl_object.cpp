@@ -1,4 +1,4 @@
-#include <occlude/backends/gl/gl_object.h>
+#include <occlude/backends/gl/detail/gl_object.h>
 
 #include <algorithm>
 #include <cstring>

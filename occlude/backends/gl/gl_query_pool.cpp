@@ -1,4 +1,4 @@
-#include <occlude/backends/gl/gl_query_pool.h>
+#include <occlude/backends/gl/detail/gl_query_pool.h>
 
 namespace occlude::gl {
 

@@ -1,4 +1,4 @@
-#include <occlude/backends/gl/gl_query_tests.h>
+#include <occlude/backends/gl/detail/gl_query_tests.h>
 
 #include <occlude/core/assert.h>
 

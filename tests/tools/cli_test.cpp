@@ -1,0 +1,278 @@
+#include "commands/cli.h"
+
+#include <nlohmann/json.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
+
+namespace occlude::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+    int code = -1;
+    std::string out;
+    std::string err;
+};
+
+Outcome run(std::vector<std::string> arguments)
+{
+    arguments.insert(arguments.begin(), "occlude");
+    std::vector<const char*> argv;
+    for (const std::string& argument : arguments) {
+        argv.push_back(argument.c_str());
+    }
+    std::ostringstream out;
+    std::ostringstream err;
+    const int code = run_program(static_cast<int>(argv.size()), argv.data(), {out, err});
+    return {code, out.str(), err.str()};
+}
+
+fs::path write_file(const std::string& name, const std::string& content)
+{
+    // Each test is a process of its own under ctest: a shared file could be read half written.
+    const fs::path directory =
+        fs::path{testing::TempDir()} / ("occlude_cli_test_" + std::to_string(getpid()));
+    fs::create_directories(directory);
+    std::ofstream{directory / name} << content;
+    return directory / name;
+}
+
+// A wall before a smaller quad, as a file.
+std::string scene_file()
+{
+    return write_file("wall.obj", "o wall\nv -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nf 1 2 3 4\n"
+                                  "o behind\nv -1 -1 -2\nv 1 -1 -2\nv 1 1 -2\nv -1 1 -2\n"
+                                  "f 5 6 7 8\n")
+        .string();
+}
+
+std::vector<std::string> small(std::vector<std::string> arguments)
+{
+    const std::vector<std::string> rest = {"--device", "cpu", "--size", "40x30"};
+    arguments.insert(arguments.end(), rest.begin(), rest.end());
+    return arguments;
+}
+
+// The program ends with 2, prints nothing to `out`, and one line to `err` that has all of `parts`.
+void expect_refused(const std::vector<std::string>& arguments,
+                    const std::vector<std::string>& parts)
+{
+    const Outcome outcome = run(arguments);
+    const std::string command = testing::PrintToString(arguments);
+    EXPECT_EQ(outcome.code, 2) << command;
+    EXPECT_EQ(outcome.out, "") << command;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(outcome.err.rfind("occlude: ", 0), 0u) << outcome.err;
+    for (const std::string& part : parts) {
+        EXPECT_NE(outcome.err.find(part), std::string::npos) << part << " in: " << outcome.err;
+    }
+}
+
+} // namespace
+
+TEST(Cli, HelpExitsWithZeroAndNamesEveryCommand)
+{
+    const Outcome outcome = run({"--help"});
+    EXPECT_EQ(outcome.code, 0);
+    for (const char* command : {"bench", "verify", "render", "info", "list"}) {
+        EXPECT_NE(outcome.out.find(command), std::string::npos) << command;
+    }
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_EQ(run({"--version"}).code, 0);
+}
+
+TEST(Cli, BenchHasTheOptionsOfTheContract)
+{
+    const Outcome outcome = run({"bench", "--help"});
+    EXPECT_EQ(outcome.code, 0);
+    for (const char* option : {"--algorithms", "--hierarchy", "--device", "--test", "--path",
+                               "--frames", "--size", "--msaa", "--repeat", "--verify", "--set",
+                               "--leaf-triangles", "--json", "--csv", "--html"}) {
+        EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
+    }
+}
+
+TEST(Cli, WrongCommandsAndOptionsAreRefusedWithWhatWouldWork)
+{
+    const std::string scene = scene_file();
+    expect_refused({}, {"bench", "--help"});
+    expect_refused({"bnech", scene}, {"'bnech'", "bench"});
+    expect_refused({"view", scene}, {"'view'"});
+    expect_refused({"bench"}, {"scenes", "bench --help"});
+    expect_refused({"bench", scene, "--nonsense"}, {"--nonsense", "bench --help"});
+    expect_refused({"bench", scene, "--frames", "0"}, {"--frames", "'0'"});
+    expect_refused({"bench", scene, "--frames", "-3"}, {"--frames", "-3"});
+    expect_refused({"bench", scene, "--frames", "99999999999999999999999"}, {"--frames"});
+    expect_refused({"bench", scene, "--repeat", "many"}, {"--repeat", "'many'"});
+    expect_refused({"bench", scene, "--size", "12"}, {"--size", "'12'", "1280x720"});
+    expect_refused({"bench", scene, "--size", "0x5"}, {"--size", "'0x5'"});
+    expect_refused({"bench", scene, "--device", "abacus"}, {"--device", "'abacus'", "cpu"});
+    expect_refused({"bench", scene, "--hierarchy", "heap"}, {"--hierarchy", "'heap'", "bvh"});
+    expect_refused({"bench", scene, "--test", "guess"}, {"--test", "'guess'", "queries"});
+    expect_refused({"bench", scene, "--device", "cpu", "--msaa", "4"}, {"--msaa 4", "gl"});
+    expect_refused({"bench", scene, "--algorithms", "chc,magic"}, {"'magic'", "chc_plus_plus"});
+    expect_refused({"render", scene, "--out", "x.png", "--show", "smell"}, {"'smell'", "states"});
+    expect_refused({"render", scene, "--out", "x.png", "--camera", "moon"}, {"'moon'", "overview"});
+    expect_refused({"render", scene, "--out", "frames", "--frames", "9:3"},
+                   {"'9:3'", "FIRST:LAST"});
+    expect_refused({"list", "things"}, {"'things'", "algorithms"});
+    expect_refused({"list", "devices", scene}, {"paths"});
+}
+
+TEST(Cli, SettingsMustReachAnAlgorithmThatTakesPart)
+{
+    const std::string scene = scene_file();
+    expect_refused({"bench", scene, "--set", "chc"}, {"--set", "'chc'", "ALGORITHM.OPTION=VALUE"});
+    expect_refused({"bench", scene, "--set", "nobody.x=1"}, {"'nobody'", "chc"});
+    expect_refused({"bench", scene, "--set", "chc.no_such=1"}, {"no_such", "chc"});
+    expect_refused({"bench", scene, "--algorithms", "frustum", "--set", "chc.threshold=1"},
+                   {"chc does not take part"});
+}
+
+TEST(Cli, MissingBrokenAndEmptyScenesAreNamed)
+{
+    expect_refused({"info", "no/such/scene.glb"}, {"no/such/scene.glb"});
+    const std::string broken = write_file("broken.glb", "this is no scene").string();
+    expect_refused({"bench", broken, "--device", "cpu"}, {"broken.glb"});
+    const std::string empty = write_file("empty.obj", "v 0 0 0\nv 1 0 0\n").string();
+    expect_refused({"info", empty, "--device", "cpu"}, {"empty.obj"});
+}
+
+TEST(Cli, MissingAndEmptyPathsAreNamed)
+{
+    const std::string scene = scene_file();
+    expect_refused(small({"bench", scene, "--path", "no_such_path"}), {"no_such_path"});
+    const std::string empty =
+        write_file("empty_path.json", R"({"version":1,"frames":[]})").string();
+    expect_refused(small({"bench", scene, "--path", empty}), {"empty_path.json"});
+    const std::string broken = write_file("broken_path.json", R"({"version":1,)").string();
+    expect_refused(small({"bench", scene, "--path", broken}), {"broken_path.json"});
+}
+
+TEST(Cli, UnwritableOutputIsFoundBeforeTheRun)
+{
+    const std::string scene = scene_file();
+    expect_refused(small({"bench", scene, "--json", "no/such/directory/out.json"}),
+                   {"no/such/directory/out.json"});
+    expect_refused({"bench", "no_scene_either.glb", "--csv", "no/such/directory/out.csv"},
+                   {"out.csv"}); // before the scene is even looked for
+    expect_refused({"render", scene, "--out", "no/such/directory/out.png"}, {"out.png"});
+}
+
+TEST(Cli, BenchMeasuresAndWritesItsReports)
+{
+    const std::string scene = scene_file();
+    const fs::path directory = fs::path{scene}.parent_path();
+    const std::string json = (directory / "bench.json").string();
+    const std::string csv = (directory / "bench.csv").string();
+    const std::string html = (directory / "bench.html").string();
+    const Outcome outcome = run(
+        small({"bench", scene, "--algorithms", "chc", "--frames", "5", "--repeat", "2", "--verify",
+               "--set", "chc.threshold=0", "--json", json, "--csv", csv, "--html", html}));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, ""); // nobody watches: no progress
+    for (const char* algorithm : {"frustum", "chc", "opt", "ideal"}) { // the references too
+        EXPECT_NE(outcome.out.find(std::string{"\n"} + algorithm + " "), std::string::npos)
+            << outcome.out;
+    }
+    std::ifstream file{json};
+    const nlohmann::json report = nlohmann::json::parse(file);
+    EXPECT_EQ(report["frames"], 5);
+    EXPECT_EQ(report["repeat"], 2);
+    EXPECT_EQ(report["device"]["name"], "cpu");
+    ASSERT_EQ(report["runs"].size(), 4u);
+    for (const auto& each : report["runs"]) {
+        EXPECT_EQ(each["differing_pixels"], 0) << each["algorithm"];
+        EXPECT_GT(each["frame_ms"]["median"], 0.0);
+        EXPECT_EQ(each["frames"].size(), 5u);
+    }
+    EXPECT_GT(fs::file_size(csv), 100u);
+    EXPECT_GT(fs::file_size(html), 100000u);
+}
+
+TEST(Cli, VerifyWalksASmoothPathAndOneWithJumpsAndExitsWithZero)
+{
+    const Outcome outcome = run(small({"verify", scene_file(), "--frames", "6"}));
+    EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
+    EXPECT_NE(outcome.out.find("path auto"), std::string::npos);
+    EXPECT_NE(outcome.out.find("path teleport"), std::string::npos);
+    EXPECT_EQ(outcome.out.find("DIFFERS"), std::string::npos);
+}
+
+TEST(Cli, RenderWritesPngFilesOfTheSizeAskedFor)
+{
+    const std::string scene = scene_file();
+    const fs::path directory = fs::path{scene}.parent_path() / "pictures";
+    fs::remove_all(directory);
+    fs::create_directories(directory);
+    for (const char* show : {"visible", "hidden", "boxes", "states"}) {
+        for (const char* camera : {"path", "overview"}) {
+            const std::string png = (directory / (std::string{show} + camera + ".png")).string();
+            const Outcome outcome =
+                run(small({"render", scene, "--algorithm", "stop_and_wait", "--frame", "3",
+                           "--show", show, "--camera", camera, "--out", png}));
+            ASSERT_EQ(outcome.code, 0) << outcome.err;
+            std::ifstream file{png, std::ios::binary};
+            const std::string bytes{std::istreambuf_iterator<char>{file}, {}};
+            ASSERT_GT(bytes.size(), 24u);
+            EXPECT_EQ(bytes.substr(1, 3), "PNG");
+            EXPECT_EQ(bytes[19], 40); // width, height: big-endian words of the header
+            EXPECT_EQ(bytes[23], 30);
+            const bool legend = std::string{show} != "visible";
+            EXPECT_EQ(outcome.out.find("drawn_near") != std::string::npos, legend);
+        }
+    }
+}
+
+TEST(Cli, RenderOfARangeFillsADirectory)
+{
+    const std::string scene = scene_file();
+    const fs::path directory = fs::path{scene}.parent_path() / "range";
+    fs::remove_all(directory);
+    const Outcome outcome =
+        run(small({"render", scene, "--frames", "2:4", "--out", directory.string()}));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_FALSE(fs::exists(directory / "frame_0001.png"));
+    EXPECT_TRUE(fs::exists(directory / "frame_0002.png"));
+    EXPECT_TRUE(fs::exists(directory / "frame_0004.png"));
+    EXPECT_EQ(std::distance(fs::directory_iterator{directory}, fs::directory_iterator{}), 3);
+}
+
+TEST(Cli, RenderBeyondTheEndOfThePathSaysWhereItEnds)
+{
+    expect_refused(small({"render", scene_file(), "--frame", "7", "--path-frames", "5", "--out",
+                          (fs::path{testing::TempDir()} / "beyond.png").string()}),
+                   {"frame 7", "last frame is 4", "--path-frames"});
+}
+
+TEST(Cli, InfoCountsTheSceneAndSaysWhatToDo)
+{
+    const Outcome outcome = run(small({"info", scene_file()}));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("triangles         4\n"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("own a pixel"), std::string::npos);
+    EXPECT_NE(outcome.out.find("Culling is unlikely to pay"), std::string::npos);
+}
+
+TEST(Cli, ListsWhatThereIs)
+{
+    EXPECT_NE(run({"list", "algorithms"}).out.find("chc_plus_plus"), std::string::npos);
+    EXPECT_NE(run({"list", "hierarchies"}).out.find("bvh"), std::string::npos);
+    EXPECT_NE(run({"list", "devices"}).out.find("cpu"), std::string::npos);
+    EXPECT_NE(run({"list", "scenes"}).out.find("city"), std::string::npos);
+    EXPECT_NE(run({"list", "paths"}).out.find("auto"), std::string::npos);
+    EXPECT_EQ(run({"list", "paths", scene_file()}).code, 0);
+}
+
+} // namespace occlude::tools
