@@ -5,6 +5,7 @@
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/lazy_grid.h>
 #include <occlude/cull/oracle_cullers.h>
+#include <occlude/cull/prioritized.h>
 #include <occlude/cull/statistical.h>
 #include <occlude/cull/stop_and_wait.h>
 #include <occlude/cull/two_phase.h>
@@ -191,6 +192,10 @@ std::vector<AlgorithmInfo> make_table()
     table.push_back(describe<UniformGrid, UniformGridOptions>(
         "uniform_grid", "Hillesland, Salomon, Lastra, Manocha 2002",
         "tests the cells of a uniform or nested grid of its own, slab by slab", tests));
+    table.push_back(describe<Prioritized, PrioritizedOptions>(
+        "prioritized", "Klosowski, Silva 2000; Correa, Klosowski, Silva 2003",
+        "draws the cells with least matter before them until a budget is spent", tests));
+    table.back().exact = PrioritizedOptions{}.finish;
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(

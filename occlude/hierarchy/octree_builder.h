@@ -6,7 +6,7 @@
 //             items are large; node boxes are those of the items, not the cubes: tighter, and what
 //             is tested. A cube with only one occupied octant has no node; empty octants have none.
 // Guarantees  Deterministic: the same boxes give the same tree on every compiler.
-// Cost        O(n log n), one thread; about a third of build_bvh(), and the tree is looser.
+// Cost        O(n log n), one thread; about half the processor time of build_bvh().
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>

@@ -229,6 +229,17 @@ TEST(Exactness, UniformGrid)
                   .late_answers = true});
 }
 
+TEST(Exactness, PrioritizedWithTheConservativeFinish)
+{
+    for (const std::string budget : {"1", "1500"}) {
+        const std::vector<OptionValue> options{
+            {"finish", "true"}, {"budget_triangles", budget}, {"cell_triangles", "60"}};
+        expect_exact({.algorithm = "prioritized", .options = options});
+        expect_exact({.algorithm = "prioritized", .options = options, .moving = true});
+        expect_exact({.algorithm = "prioritized", .options = options, .late_answers = true});
+    }
+}
+
 TEST(Exactness, Statistical)
 {
     expect_exact({.algorithm = "statistical"});
