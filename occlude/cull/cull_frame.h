@@ -30,6 +30,9 @@ public:
     {
         boxes_.push_back({inflated_box, nullptr, subject});
     }
+    /// ... a box that may be in a space of its own. What `world_from_box` points to lives until the
+    /// batch was issued.
+    void add_box(const QueryBox& inflated_box) { boxes_.push_back(inflated_box); }
     /// Ends the test being collected. Precondition: it has a box.
     void end_test() { ends_.push_back(static_cast<uint32_t>(boxes_.size())); }
 

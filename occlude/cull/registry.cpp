@@ -5,6 +5,7 @@
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/stop_and_wait.h>
+#include <occlude/cull/two_level.h>
 
 #include <charconv>
 #include <limits>
@@ -173,6 +174,10 @@ std::vector<AlgorithmInfo> make_table()
     table.push_back(describe<ChcPlusPlus, ChcPlusPlusOptions>(
         "chc_plus_plus", "Mattausch, Bittner, Wimmer 2008",
         "CHC with batched tests, multiqueries and tight bounds", tests));
+    table.push_back(describe<TwoLevel, TwoLevelCullOptions>(
+        "two_level", "Kovalcik, Tobola (two-level BSP)",
+        "for moving objects: boxes apart on the screen are tested in parallel, visible ones rarely",
+        tests));
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(
