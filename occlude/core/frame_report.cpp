@@ -8,6 +8,9 @@ std::string to_string(const Guarantee& guarantee)
     case Guarantee::Kind::latent:
         return "latent(" + std::to_string(guarantee.frames) + ")";
     case Guarantee::Kind::approximate:
+        if (guarantee.threshold == Guarantee::kAnySamples) {
+            return "approximate";
+        }
         return "approximate(" + std::to_string(guarantee.threshold) + ")";
     case Guarantee::Kind::exact:
         break;
@@ -31,6 +34,7 @@ FrameCounters& FrameCounters::operator+=(const FrameCounters& other)
     lost_answers += other.lost_answers;
     depth_reads += other.depth_reads;
     pixels_read += other.pixels_read;
+    cells_asked += other.cells_asked;
     return *this;
 }
 

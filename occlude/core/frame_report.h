@@ -17,6 +17,9 @@ struct Guarantee {
     uint32_t frames = 0;
     uint64_t threshold = 0;
 
+    /// As threshold: objects of any size may be missing.
+    static constexpr uint64_t kAnySamples = ~uint64_t{0};
+
     static Guarantee exact() { return {}; }
     static Guarantee latent(uint32_t frames) { return {Kind::latent, frames, 0}; }
     static Guarantee approximate(uint64_t threshold) { return {Kind::approximate, 0, threshold}; }
@@ -24,7 +27,7 @@ struct Guarantee {
     bool operator==(const Guarantee&) const = default;
 };
 
-/// "exact", "latent(1)" or "approximate(20)".
+/// "exact", "latent(1)", "approximate(20)", or "approximate" where anything may be missing.
 std::string to_string(const Guarantee& guarantee);
 
 struct FrameCounters {
@@ -43,6 +46,7 @@ struct FrameCounters {
     uint64_t lost_answers = 0; ///< tests that the device could not answer: taken as visible
     uint64_t depth_reads = 0;  ///< calls of read_depth()
     uint64_t pixels_read = 0;
+    uint64_t cells_asked = 0; ///< grid cells whose pixels were looked at, whatever was read for it
 
     FrameCounters& operator+=(const FrameCounters& other);
     bool operator==(const FrameCounters&) const = default;
@@ -66,6 +70,7 @@ void for_each_counter(Counters& c, Visit&& visit)
     visit("lost_answers", c.lost_answers);
     visit("depth_reads", c.depth_reads);
     visit("pixels_read", c.pixels_read);
+    visit("cells_asked", c.cells_asked);
 }
 
 struct FrameReport {

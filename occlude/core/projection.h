@@ -7,6 +7,10 @@
 #include <occlude/core/query_device.h>
 #include <occlude/core/view.h>
 
+#include <glm/mat4x4.hpp>
+
+#include <optional>
+
 namespace occlude {
 
 /// Bounds of everything that can be drawn of a box, as QueryDevice::read_depth sees it.
@@ -31,5 +35,14 @@ struct ScreenBounds {
 /// that reach behind the near plane anywhere, seen or not. An empty box gives a valid, empty rect.
 /// About 0.1 us.
 ScreenBounds project(const View& view, const Aabb& box);
+
+/// The affine map from the unit square (0..1, 0..1, 0) to a rectangle in the world that faces the
+/// camera: on the screen it covers every sample of the pixels in `rect` (and no centre of another
+/// pixel), nowhere farther than the window depth `depth`, as a device would draw it. Together with
+/// the box from (0, 0, 0) to (1, 1, 0) this is what QueryBox takes: a test that finds no sample
+/// proves all of `rect` to be nearer than `depth`. Nothing if there is no such rectangle before the
+/// near plane, if the test would touch the near plane (C5), or if planes of constant depth do not
+/// face the camera (oblique near planes). Precondition: `rect` is in the target and not empty.
+std::optional<glm::mat4> world_from_rectangle(const View& view, const PixelRect& rect, float depth);
 
 } // namespace occlude

@@ -32,6 +32,9 @@ std::string_view to_string(Decision decision)
 // The items that an entry speaks for.
 static std::span<const ItemId> items_of(const Hierarchy& hierarchy, const DecisionLog::Entry& entry)
 {
+    if (entry.item.valid()) {
+        return {&entry.item, 1};
+    }
     const bool own_only = is_drawn(entry.decision) && !hierarchy.is_leaf(entry.node);
     return own_only ? hierarchy.own_items(entry.node) : hierarchy.subtree_items(entry.node);
 }

@@ -36,13 +36,19 @@ public:
     struct Entry {
         NodeId node;
         Decision decision;
+        ItemId item = {}; ///< valid: the decision speaks of this item of `node` alone
     };
 
     void clear() { entries_.clear(); }
-    void add(NodeId node, Decision decision) { entries_.push_back({node, decision}); }
+    void add(NodeId node, Decision decision) { entries_.push_back({node, decision, {}}); }
+    void add(NodeId owner, ItemId item, Decision decision)
+    {
+        entries_.push_back({owner, decision, item});
+    }
 
     /// In the order they were made. `outside`, `hidden` and `hidden_group` speak for the whole
-    /// subtree; the others for a leaf, or for the own items of an inner node.
+    /// subtree; the others for a leaf, or for the own items of an inner node; all of them for one
+    /// item where the entry names it.
     std::span<const Entry> entries() const { return entries_; }
 
     /// One decision per item, indexed by ItemId. O(items).

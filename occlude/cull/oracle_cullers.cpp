@@ -48,10 +48,20 @@ void Ideal::record(const View& view, QueryDevice&, std::span<const ItemId> owner
     index_items();
     std::vector<std::pair<float, ItemId>> order;
     visible_triangles_ = 0;
-    for (const ItemId item : owners) {
+    const auto add = [&](ItemId item) {
         const ItemBounds& bounds = hierarchy().item_bounds()[position_of_item_[item.value]];
         order.emplace_back(view.distance_key(bounds.box), item);
         visible_triangles_ += bounds.triangles;
+    };
+    for (const ItemId item : owners) {
+        add(item);
+    }
+    for (const Hierarchy::FlaggedItem& flagged : hierarchy().flagged_items()) {
+        const ItemBounds& bounds = hierarchy().item_bounds()[flagged.position];
+        if (has_flag(bounds.flags, ItemFlags::translucent) &&
+            view.frustum().classify(bounds.box) != Containment::outside) {
+            add(flagged.item);
+        }
     }
     std::sort(order.begin(), order.end());
     visible_.clear();

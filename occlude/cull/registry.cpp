@@ -3,9 +3,13 @@
 #include <occlude/cull/chc.h>
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/frustum_culler.h>
+#include <occlude/cull/lazy_grid.h>
 #include <occlude/cull/oracle_cullers.h>
+#include <occlude/cull/statistical.h>
 #include <occlude/cull/stop_and_wait.h>
 #include <occlude/cull/two_level.h>
+#include <occlude/cull/two_phase.h>
+#include <occlude/cull/uniform_grid.h>
 
 #include <charconv>
 #include <limits>
@@ -174,6 +178,20 @@ std::vector<AlgorithmInfo> make_table()
     table.push_back(describe<ChcPlusPlus, ChcPlusPlusOptions>(
         "chc_plus_plus", "Mattausch, Bittner, Wimmer 2008",
         "CHC with batched tests, multiqueries and tight bounds", tests));
+    table.push_back(describe<TwoPhase, TwoPhaseOptions>(
+        "two_phase", "Greene, Kass, Miller 1993; Haar, Aaltonen 2015",
+        "draws what was visible last frame, then tests the rest against its depth on the CPU",
+        Needs{.depth_read = true}));
+    table.push_back(describe<Statistical, StatisticalOptions>(
+        "statistical", "Kovalcik, Sochor 2005",
+        "what was visible lately is drawn untested, the longer the more often it was", tests));
+    table.push_back(describe<LazyGrid, LazyGridOptions>(
+        "lazy_grid", "Hey, Tobler, Purgathofer 2001",
+        "boxes against the farthest depth of screen cells, updated when asked",
+        {.depth_read = true}));
+    table.push_back(describe<UniformGrid, UniformGridOptions>(
+        "uniform_grid", "Hillesland, Salomon, Lastra, Manocha 2002",
+        "tests the cells of a uniform or nested grid of its own, slab by slab", tests));
     table.push_back(describe<TwoLevel, TwoLevelCullOptions>(
         "two_level", "Kovalcik, Tobola (two-level BSP)",
         "for moving objects: boxes apart on the screen are tested in parallel, visible ones rarely",

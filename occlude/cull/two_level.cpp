@@ -350,7 +350,11 @@ bool TwoLevel::process_active(CullFrame& frame)
                 break; // maximum queries reached
             }
             active_[at].stage = Stage::pending;
-            batch_.add_box({active_[at].box, active_[at].world_from_box, active_[at].node});
+            if (active_[at].world_from_box != nullptr) {
+                batch_.add_box(active_[at].box, *active_[at].world_from_box, active_[at].node);
+            } else {
+                batch_.add_box(active_[at].box, active_[at].node);
+            }
             batch_.end_test();
             collected_.push_back(at);
             pending_.push_back(at);

@@ -10,7 +10,8 @@
 //   triangles_drawn   counted already. draw_calls counts all passes.
 //   lost_answers   polls and waits that answered lost
 //   depth_reads    calls of read_depth() that could read
-//   nodes_visited  stays 0: a device does not see nodes
+//   nodes_visited, stay 0: a device sees neither nodes nor cells
+//   cells_asked
 #pragma once
 
 #include <occlude/core/frame_report.h>

@@ -26,10 +26,31 @@
 
 namespace occlude {
 
+/// How an item takes part in culling. CullFrame sees to it, for every algorithm alike.
+enum class ItemFlags : uint8_t {
+    none = 0,
+    never_cull = 1,    ///< always drawn, first of all; unless its box is empty
+    never_occlude = 2, ///< drawn after all tests: hides nothing
+    translucent = 4,   ///< occludee only, drawn last, back to front
+    alpha_tested = 8,  ///< drawn with its test, occludes what it covers
+};
+constexpr ItemFlags operator|(ItemFlags a, ItemFlags b)
+{
+    return static_cast<ItemFlags>(static_cast<uint8_t>(a) | static_cast<uint8_t>(b));
+}
+constexpr bool has_flag(ItemFlags flags, ItemFlags flag)
+{
+    return (static_cast<uint8_t>(flags) & static_cast<uint8_t>(flag)) != 0;
+}
+/// The flags of items that are not drawn when and where an algorithm says.
+inline constexpr ItemFlags kDrawnOutOfTurn =
+    ItemFlags::never_cull | ItemFlags::never_occlude | ItemFlags::translucent;
+
 /// What a builder needs to know of one item.
 struct ItemBounds {
     Aabb box; ///< world space
     uint32_t triangles = 0;
+    ItemFlags flags = ItemFlags::none;
 };
 
 struct Node {
@@ -89,6 +110,17 @@ public:
     /// become Aabb::everything().
     std::span<const ItemBounds> item_bounds() const { return item_bounds_; }
 
+    /// An item with one of kDrawnOutOfTurn, and its place in items().
+    struct FlaggedItem {
+        ItemId item;
+        uint32_t position = 0;
+
+        auto operator<=>(const FlaggedItem&) const = default;
+    };
+    /// These items by ascending id. Mostly none.
+    std::span<const FlaggedItem> flagged_items() const { return flagged_; }
+    bool has_flags() const { return !flagged_.empty(); }
+
     /// A leaf for the algorithms: a node without children, or a virtual leaf.
     bool is_leaf(NodeId id) const { return node(id).leaf != 0; }
 
@@ -99,7 +131,7 @@ public:
     void set_virtual_leaves(uint32_t triangles);
 
     /// Takes new bounds of all items, indexed by ItemId, and refits all boxes bottom-up, keeping
-    /// the structure, the virtual leaves and the triangle counts. An item beyond the end of
+    /// the structure, the virtual leaves, the triangle counts and the flags. An item beyond the end of
     /// `bounds_by_item` becomes unbounded (and is a caller's bug). O(items + nodes).
     void refit(std::span<const ItemBounds> bounds_by_item);
 
@@ -128,6 +160,7 @@ private:
     std::vector<Node> nodes_;
     std::vector<ItemId> items_;
     std::vector<ItemBounds> item_bounds_;
+    std::vector<FlaggedItem> flagged_;
     TwoLevelNodes two_level_;
     uint64_t structure_version_ = 0;
 };

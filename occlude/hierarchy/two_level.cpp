@@ -688,6 +688,17 @@ void TwoLevelTree::update(std::span<const ItemBounds> bounds_by_item)
     }
 }
 
+Hierarchy build_two_level(std::span<const ItemBounds> items, const TwoLevelOptions& options)
+{
+    TwoLevelTree tree(options);
+    for (uint32_t i = 0; i < items.size(); ++i) {
+        const Aabb box = sanitized(items[i].box);
+        tree.add({.first_item = ItemId{i}, .local_boxes = {&box, 1}});
+    }
+    tree.update(items);
+    return tree.hierarchy();
+}
+
 // --- for tests
 // ---------------------------------------------------------------------------------------
 

@@ -189,4 +189,8 @@ private:
     bool layout_stale_ = true;
 };
 
+/// The two-level tree of objects of one item each that stand still, for where nobody knows of
+/// objects.
+Hierarchy build_two_level(std::span<const ItemBounds> items, const TwoLevelOptions& options = {});
+
 } // namespace occlude

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 namespace occlude {
 namespace {
@@ -193,6 +194,57 @@ TEST(Projection, ALargerBoxHasLargerBounds)
         }
     }
     EXPECT_GT(compared, 500);
+}
+
+TEST(Rectangle, CoversItsPixelsAtNoMoreThanItsDepthUnderEveryProjection)
+{
+    Rng rng(81);
+    for (const Projection& projection : test::all_projections()) {
+        int found = 0;
+        int wanted = 0;
+        for (int i = 0; i < 500; ++i) {
+            const glm::mat4 clip =
+                projection.clip_from_eye * test::random_eye_from_world(rng, 20.0f);
+            const View view = View::from_clip(clip, kSize, projection.convention);
+            const FloatDevice device{clip, projection.convention};
+            const ScreenBounds b = project(view, test::random_box(rng, 20.0f, 4.0f));
+            if (!b.valid || b.rect.width == 0) {
+                continue;
+            }
+            ++wanted;
+            const auto map = world_from_rectangle(view, b.rect, b.near_depth);
+            if (!map) {
+                continue;
+            }
+            ++found;
+            const glm::vec3 low = device.window(glm::vec3{(*map)[3]});
+            const glm::vec3 high = device.window(glm::vec3{*map * glm::vec4{1, 1, 0, 1}});
+            for (int k = 0; k < 4; ++k) {
+                const glm::vec3 p = device.window(glm::vec3{*map * glm::vec4{k & 1, k >> 1, 0, 1}});
+                ASSERT_LE(p.z, b.near_depth) << projection.name << ", case " << i;
+                ASSERT_GT(p.z, b.near_depth - 1e-4f) << projection.name << ", case " << i;
+            }
+            ASSERT_LT(low.x, static_cast<float>(b.rect.x) - 0.01f) << projection.name;
+            ASSERT_LT(low.y, static_cast<float>(b.rect.y) - 0.01f) << projection.name;
+            ASSERT_GT(high.x, static_cast<float>(b.rect.x + b.rect.width) + 0.01f);
+            ASSERT_GT(high.y, static_cast<float>(b.rect.y + b.rect.height) + 0.01f);
+            ASSERT_GT(low.x, static_cast<float>(b.rect.x) - 0.3f);
+            ASSERT_LT(high.y, static_cast<float>(b.rect.y + b.rect.height) + 0.3f);
+        }
+        EXPECT_GT(wanted, 20) << projection.name;
+        if (std::string_view{projection.name} == "oblique") {
+            EXPECT_LT(found, wanted / 2); // only where constant depth all but faces the camera
+        } else {
+            EXPECT_GT(found, wanted * 9 / 10) << projection.name;
+        }
+    }
+}
+
+TEST(Rectangle, ThereIsNoneBeforeTheNearPlane)
+{
+    EXPECT_FALSE(world_from_rectangle(down_z(), {10, 10, 20, 20}, 0.0f));
+    EXPECT_FALSE(world_from_rectangle(down_z(), {10, 10, 20, 20}, 1e-7f));
+    EXPECT_TRUE(world_from_rectangle(down_z(), {10, 10, 20, 20}, 0.5f));
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/registry.h>
 #include <occlude/device/delaying_device.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include "support/trees.h"
 
@@ -111,13 +112,14 @@ struct Setup {
     glm::ivec2 size{161, 89};
     bool moving = false;
     bool late_answers = false;
+    std::string_view hierarchy = "bvh";
 };
 
 // Runs an algorithm beside the reference and expects the same picture in every frame.
 void expect_exact(const Setup& setup)
 {
     BoxScene scene(test::random_boxes(700, 31, 24.0f, 7.0f));
-    Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    Hierarchy tree = find_hierarchy_kind(setup.hierarchy)->build(scene.bounds, 24);
     CpuDevice device(scene);
     CpuDevice reference_device(scene);
     DelayingDevice late(device, {.seed = 3, .max_polls = 5, .lose_every = 7});
@@ -194,11 +196,129 @@ TEST(Exactness, ChcPlusPlusWithEachPartSwitched)
     }
 }
 
+TEST(Exactness, TwoPhase)
+{
+    expect_exact({.algorithm = "two_phase"});
+}
+TEST(Exactness, TwoPhaseWithEachPartSwitched)
+{
+    const std::vector<OptionValue> switches{{"virtual_leaves", "true"},
+                                            {"refine", "false"},
+                                            {"reread_triangles", "0"},
+                                            {"reread_triangles", "200"},
+                                            {"final_depth", "true"}};
+    for (const OptionValue& option : switches) {
+        SCOPED_TRACE(option.first + "=" + option.second);
+        expect_exact({.algorithm = "two_phase", .options = {option}});
+    }
+}
+
+TEST(Exactness, UniformGrid)
+{
+    for (const std::string levels : {"0", "1", "3"}) {
+        for (const std::string triangles : {"24", "200"}) {
+            SCOPED_TRACE(levels + " levels, cells of " + triangles);
+            const std::vector<OptionValue> options{{"nested_levels", levels},
+                                                   {"cell_triangles", triangles}};
+            expect_exact({.algorithm = "uniform_grid", .options = options});
+            expect_exact({.algorithm = "uniform_grid", .options = options, .moving = true});
+        }
+    }
+    expect_exact({.algorithm = "uniform_grid",
+                  .options = {{"cell_triangles", "100"}},
+                  .late_answers = true});
+}
+
+TEST(Exactness, Statistical)
+{
+    expect_exact({.algorithm = "statistical"});
+}
+
+TEST(Exactness, StatisticalWithEachPartSwitched)
+{
+    const std::vector<OptionValue> switches{
+        {"base_time", "0"},         {"base_time", "0.05"}, {"history", "1"},
+        {"max_age", "0"},           {"spread", "0"},       {"max_in_flight", "1"},
+        {"max_in_flight", "500"},   {"issue", "at_place"}, {"results", "oldest"},
+        {"frames_per_second", "5"},
+    };
+    for (const OptionValue& option : switches) {
+        SCOPED_TRACE(option.first + "=" + option.second);
+        expect_exact({.algorithm = "statistical", .options = {option}});
+    }
+}
+
+TEST(Exactness, OnEveryHierarchy)
+{
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        for (const AlgorithmInfo& info : algorithms()) {
+            const bool has_own_cells = info.name == "uniform_grid";
+            if (info.exact && !has_own_cells && (info.needs.queries || info.needs.depth_read)) {
+                SCOPED_TRACE(info.name + " on " + std::string{kind.name});
+                expect_exact({.algorithm = info.name, .hierarchy = kind.name});
+                expect_exact({.algorithm = info.name, .moving = true, .hierarchy = kind.name});
+            }
+        }
+    }
+}
+
+TEST(Exactness, LazyGridWithEachPartSwitched)
+{
+    const std::vector<std::vector<OptionValue>> switches{
+        {},
+        {{"cell_size", "1"}},
+        {{"cell_size", "7"}},
+        {{"cell_size", "1000"}},
+        {{"update", "busy"}},
+        {{"traversal", "two_lists"}},
+        {{"variant", "occlusion_buffer"}},
+        {{"variant", "occlusion_buffer"}, {"update", "busy"}},
+        {{"source", "queries"}},
+        {{"source", "queries"}, {"traversal", "two_lists"}, {"join", "rows"}},
+        {{"source", "queries"}, {"variant", "occlusion_buffer"}},
+        {{"source", "queries"}, {"variant", "occlusion_buffer"}, {"update", "busy"}},
+        {{"source", "queries"}, {"whole_cell_share", "0.4"}},
+        {{"join", "rows"}},
+        {{"join", "target"}, {"update", "busy"}},
+        {{"tests_at_once", "8"}},
+        {{"tests_at_once", "8"}, {"join", "rows"}, {"variant", "occlusion_buffer"}},
+        {{"free_below_covered", "0.6"}},
+        {{"whole_cell_share", "0.5"}},
+        {{"whole_cell_share", "0.5"}, {"join", "rows"}},
+        {{"internal_above_pixels", "900"}},
+    };
+    for (const std::vector<OptionValue>& options : switches) {
+        std::string name = "lazy_grid";
+        for (const OptionValue& option : options) {
+            name += " " + option.first + "=" + option.second;
+        }
+        SCOPED_TRACE(name);
+        expect_exact({.algorithm = "lazy_grid", .options = options, .late_answers = true});
+    }
+}
+
+TEST(Exactness, LazyGridInEveryClipConventionAndSize)
+{
+    for (const char* source : {"depth", "queries"}) {
+        SCOPED_TRACE(source);
+        const std::vector<OptionValue> options{{"source", source}};
+        for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
+            for (const DepthOrder order : {DepthOrder::near_is_small, DepthOrder::near_is_large}) {
+                expect_exact({.algorithm = "lazy_grid",
+                              .options = options,
+                              .convention = {range, order},
+                              .size = {67, 211}});
+            }
+        }
+    }
+}
+
 TEST(Exactness, InEveryClipConvention)
 {
     for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
         for (const DepthOrder order : {DepthOrder::near_is_small, DepthOrder::near_is_large}) {
             expect_exact({.algorithm = "chc_plus_plus", .convention = {range, order}});
+            expect_exact({.algorithm = "two_phase", .convention = {range, order}});
         }
     }
 }
@@ -207,6 +327,8 @@ TEST(Exactness, AtOtherSizes)
 {
     expect_exact({.algorithm = "chc_plus_plus", .size = {320, 180}});
     expect_exact({.algorithm = "stop_and_wait", .size = {67, 211}});
+    expect_exact({.algorithm = "two_phase", .size = {67, 211}});
+    expect_exact({.algorithm = "two_phase", .size = {256, 128}});
 }
 
 TEST(Exactness, WhileEverythingMoves)
@@ -214,12 +336,18 @@ TEST(Exactness, WhileEverythingMoves)
     expect_exact({.algorithm = "stop_and_wait", .moving = true});
     expect_exact({.algorithm = "chc", .moving = true});
     expect_exact({.algorithm = "chc_plus_plus", .moving = true});
+    expect_exact({.algorithm = "two_phase", .moving = true});
+    expect_exact({.algorithm = "statistical", .moving = true});
+    expect_exact({.algorithm = "lazy_grid", .moving = true});
 }
 
 TEST(Exactness, WithLateAndLostAnswers)
 {
     expect_exact({.algorithm = "chc", .late_answers = true});
     expect_exact({.algorithm = "chc_plus_plus", .late_answers = true});
+    expect_exact({.algorithm = "statistical", .late_answers = true});
+    expect_exact(
+        {.algorithm = "statistical", .options = {{"results", "oldest"}}, .late_answers = true});
 }
 
 TEST(Exactness, ARebuiltHierarchyStartsAfresh)
@@ -286,7 +414,8 @@ TEST(Exactness, TheOraclesDrawTheSamePicture)
 TEST(Exactness, OptDrawsWhatStopAndWaitDraws)
 {
     BoxScene scene(test::random_boxes(500, 34, 24.0f, 7.0f));
-    const Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    // Items in inner nodes too.
+    const Hierarchy tree = find_hierarchy_kind("bsp")->build(scene.bounds, 24);
     CpuDevice device(scene);
     auto stop_and_wait = make_culler("stop_and_wait", tree);
     auto opt = make_culler("opt", tree);

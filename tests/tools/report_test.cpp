@@ -1,8 +1,8 @@
-#include "output_file.h"
-#include "progress.h"
+#include "commands/progress.h"
 #include "report/csv_report.h"
 #include "report/html_report.h"
 #include "report/json_report.h"
+#include "report/output_file.h"
 #include "report/table.h"
 
 #include <nlohmann/json.hpp>
@@ -103,7 +103,7 @@ TEST(JsonReport, HasTheKeysOfTheContract)
     const std::set<std::string> counters = {
         "queries",    "boxes",       "multiqueries_failed", "state_changes", "batches",
         "draw_calls", "items_drawn", "triangles_drawn",     "nodes_visited", "waits",
-        "wait_ms",    "cull_cpu_ms"};
+        "wait_ms",    "cull_cpu_ms", "depth_reads",         "pixels_read",   "cells_asked"};
     const Json& run = json["runs"][0];
     EXPECT_EQ(keys(run), (std::set<std::string>{
                              "algorithm", "hierarchy", "device", "test", "guarantee", "frame_ms",

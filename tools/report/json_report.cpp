@@ -47,6 +47,9 @@ Json counters_json(const FrameCounters& c, double wait_ms, double cull_cpu_ms, V
             {"triangles_drawn", value(c.triangles_drawn)},
             {"nodes_visited", value(c.nodes_visited)},
             {"waits", value(c.waits)},
+            {"depth_reads", value(c.depth_reads)},
+            {"pixels_read", value(c.pixels_read)},
+            {"cells_asked", value(c.cells_asked)},
             {"wait_ms", number(wait_ms)},
             {"cull_cpu_ms", number(cull_cpu_ms)}};
 }

@@ -1,0 +1,51 @@
+#include <occlude/hierarchy/lattice.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace occlude {
+
+static glm::uvec3 cells_along(const glm::dvec3& extent, double cell_size)
+{
+    glm::uvec3 count{1};
+    for (int axis = 0; axis < 3; ++axis) {
+        const double cells = std::ceil(extent[axis] / cell_size);
+        count[axis] = static_cast<uint32_t>(
+            std::clamp(cells, 1.0, static_cast<double>(Lattice::kMaxPerAxis)));
+    }
+    return count;
+}
+
+Lattice Lattice::over(const Aabb& box, uint64_t cells)
+{
+    Lattice lattice;
+    lattice.low = glm::dvec3{box.min};
+    const glm::dvec3 extent = glm::dvec3{box.max} - lattice.low;
+    const double longest = std::max({extent.x, extent.y, extent.z});
+    if (longest <= 0.0) {
+        return lattice;
+    }
+    // Smaller cubes by a tenth each time, until there are enough.
+    constexpr double kStep = 0.9;
+    lattice.cell_size = longest;
+    lattice.count = cells_along(extent, lattice.cell_size);
+    while (lattice.cell_count() < cells && lattice.cell_size * kMaxPerAxis > longest) {
+        lattice.cell_size *= kStep;
+        lattice.count = cells_along(extent, lattice.cell_size);
+    }
+    return lattice;
+}
+
+glm::uvec3 Lattice::cell(const glm::vec3& point) const
+{
+    glm::uvec3 cell{0};
+    for (int axis = 0; axis < 3; ++axis) {
+        const double position =
+            cell_size > 0.0 ? (double{point[axis]} - low[axis]) / cell_size : 0.0;
+        const double last = static_cast<double>(count[axis] - 1);
+        cell[axis] = static_cast<uint32_t>(std::clamp(position, 0.0, last));
+    }
+    return cell;
+}
+
+} // namespace occlude
