@@ -8,6 +8,7 @@
 #include <occlude/cull/prioritized.h>
 #include <occlude/cull/statistical.h>
 #include <occlude/cull/stop_and_wait.h>
+#include <occlude/cull/two_level.h>
 #include <occlude/cull/two_phase.h>
 #include <occlude/cull/uniform_grid.h>
 
@@ -196,6 +197,10 @@ std::vector<AlgorithmInfo> make_table()
         "prioritized", "Klosowski, Silva 2000; Correa, Klosowski, Silva 2003",
         "draws the cells with least matter before them until a budget is spent", tests));
     table.back().exact = PrioritizedOptions{}.finish;
+    table.push_back(describe<TwoLevel, TwoLevelCullOptions>(
+        "two_level", "Kovalcik, Tobola (two-level BSP)",
+        "for moving objects: boxes apart on the screen are tested in parallel, visible ones rarely",
+        tests));
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(

@@ -252,8 +252,18 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
         item_bounds_[i].box =
             known ? sanitized(bounds_by_item[items_[i].value].box) : Aabb::everything();
     }
+    two_level_ = {}; // nobody said how the objects moved
     refit_boxes();
     OCCLUDE_VALIDATE(validate(*this));
+}
+
+void Hierarchy::set_two_level(TwoLevelNodes nodes)
+{
+    const bool complete = nodes.empty() ||
+                          (nodes.object.size() == nodes_.size() &&
+                           nodes.box.size() == nodes_.size() && nodes.key.size() == nodes_.size());
+    OCCLUDE_ASSERT(complete, "a two-level tree says something of every node");
+    two_level_ = complete ? std::move(nodes) : TwoLevelNodes{};
 }
 
 std::string validate(const Hierarchy& hierarchy)

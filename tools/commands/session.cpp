@@ -1,12 +1,28 @@
 #include "commands/session.h"
 
+#include "scenes/exact_split.h"
+
 #include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <fmt/format.h>
 
 #include <ostream>
+#include <string_view>
 
 namespace occlude::tools {
+
+static constexpr std::string_view kTwoLevel = "two_level";
+
+static SceneOptions scene_options(const StageOptions& options)
+{
+    SceneOptions scene{.item_triangles = options.item_triangles};
+    if (options.split == "exact") {
+        scene.split = SceneOptions::Split::exact;
+        scene.cache_folder = options.cache_folder ? std::filesystem::path{*options.cache_folder}
+                                                  : default_cache_folder();
+    }
+    return scene;
+}
 
 Result<bool> check_stage_options(const StageOptions& options)
 {
@@ -21,6 +37,9 @@ Result<bool> check_stage_options(const StageOptions& options)
     }
     if (options.test != "queries") {
         return unknown("--test", options.test, "queries");
+    }
+    if (options.split != "centroid" && options.split != "exact") {
+        return unknown("--split", options.split, "centroid or exact");
     }
     if (options.device && *options.device != "gl" && *options.device != "cpu") {
         return unknown("--device", *options.device, "gl or cpu");
@@ -38,9 +57,15 @@ Session::Session(SceneModel model, const StageOptions& options)
     : options_(options)
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
-    , hierarchy_(find_hierarchy_kind(options.hierarchy)
-                     ->build(scene_.scene.item_bounds(), options.leaf_triangles))
 {
+    if (options.hierarchy == kTwoLevel) { // knows of objects, not only of items
+        two_level_ = std::make_unique<TwoLevelScene>(
+            TwoLevelOptions{.leaf_triangles = options.leaf_triangles});
+        two_level_->sync(scene_.scene);
+    } else {
+        hierarchy_ = find_hierarchy_kind(options.hierarchy)
+                         ->build(scene_.scene.item_bounds(), options.leaf_triangles);
+    }
 }
 
 Result<bool> Session::make_renderer(std::ostream& notes)
@@ -73,7 +98,7 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
     if (const auto checked = check_stage_options(options); !checked) {
         return checked.error();
     }
-    auto model = load_scene(scene, {.item_triangles = options.item_triangles});
+    auto model = load_scene(scene, scene_options(options));
     if (!model) {
         return model.error();
     }

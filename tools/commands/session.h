@@ -4,6 +4,8 @@
 #include "commands/options.h"
 #include "measure/stage.h"
 
+#include <occlude/scene/two_level_scene.h>
+
 #include <iosfwd>
 #include <memory>
 
@@ -18,13 +20,13 @@ public:
 
     const SceneModel& model() const { return model_; }
     const CullScene& scene() const { return scene_; }
-    const Hierarchy& hierarchy() const { return hierarchy_; }
+    const Hierarchy& hierarchy() const { return two_level_ ? two_level_->hierarchy() : hierarchy_; }
     SceneRenderer& renderer() { return *renderer_; }
     /// "gl" or "cpu".
     const std::string& device_name() const { return device_name_; }
     const StageOptions& options() const { return options_; }
 
-    Stage stage() { return {hierarchy_, scene_.scene.item_bounds(), *renderer_}; }
+    Stage stage() { return {hierarchy(), scene_.scene.item_bounds(), *renderer_}; }
 
     /// The cameras of a path, with near and far chosen. Never empty.
     Result<std::vector<Camera>> cameras(const std::string& path) const;
@@ -42,6 +44,7 @@ private:
     SceneModel model_;
     CullScene scene_;
     Hierarchy hierarchy_;
+    std::unique_ptr<TwoLevelScene> two_level_; ///< instead of hierarchy_, if that was chosen
     std::unique_ptr<SceneRenderer> renderer_;
     std::string device_name_;
 };
