@@ -11,7 +11,7 @@
 //             IssueQuery                     -> add_test, submit
 //             HandleReturnedQuery            -> handle_returned_query
 //             QueryReasonable, Figure 8.4.4  -> next_test, first_test_after
-//             Tighter bounding volumes       -> collect_tight_bounds
+//             Tighter bounding volumes       -> TightBounds::collect
 //             Render queue                   -> CullFrame::draw_leaf / flush_draws
 //             Depth-only pass                -> Options::depth_only_pass
 // Deviations  The head of the listing is lost in the printed text; it is rebuilt from the prose:
@@ -36,6 +36,7 @@
 #include <occlude/cull/culler.h>
 #include <occlude/cull/distance_queue.h>
 #include <occlude/cull/fifo.h>
+#include <occlude/cull/tight_bounds.h>
 
 #include <array>
 #include <cstdint>
@@ -128,7 +129,6 @@ private:
     void add_node_test(CullFrame& frame, NodeId node);
     void add_test(CullFrame& frame, uint32_t first, uint32_t count);
     void submit(CullFrame& frame);
-    void collect_tight_bounds(NodeId node);
 
     ChcPlusPlusOptions options_;
     std::vector<NodeState> states_;
@@ -151,8 +151,7 @@ private:
     std::vector<Candidate> candidates_;
     std::vector<double> keep_;
     std::vector<Ticket> tickets_;
-    std::vector<NodeId> tight_;
-    std::vector<NodeId> tight_next_;
+    TightBounds tight_bounds_;
 };
 
 /// Names of the options for the registry; see registry.h.

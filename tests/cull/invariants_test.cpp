@@ -43,6 +43,9 @@ const std::vector<Case>& cases()
 {
     static const std::vector<Case> all{
         {"stop_and_wait", {}},
+        {"batch_and_wait", {}},
+        {"batch_and_wait", {{"batch_size", "0"}}},
+        {"batch_and_wait", {{"skip_triangles_below", "150"}, {"occluder_share", "0.3"}}},
         {"chc", {}},
         {"chc", {{"visible_test", "geometry"}}},
         {"chc", {{"assume_visible_frames", "5"}}},
