@@ -48,6 +48,9 @@ protected:
     /// One frame of the algorithm. `frame` counts from 0 since the last reset.
     virtual void cull_frame(class CullFrame& frame) = 0;
     virtual void reset_state() = 0;
+    /// The hierarchy's node ids have lost their meaning since the last frame. Forgets everything,
+    /// unless an algorithm knows better.
+    virtual void structure_changed() { reset(); }
     virtual Guarantee guarantee() const { return Guarantee::exact(); }
 
 private:

@@ -76,7 +76,7 @@ struct LazyGridOptions {
     /// Tests that need pixels wait until this many do, and are then made against the same depth:
     /// fewer changes from drawing to looking, and hidden boxes just behind each other are found
     /// less often. 1: each test at once, as in the paper.
-    uint32_t tests_at_once = 1;
+    uint32_t tests_at_once = 8;
     /// A cell that must be asked counts as free, unasked, while the rectangles of the boxes drawn
     /// into it add up to less than this share of its area. 0: off.
     double free_below_covered = 0.0;

@@ -270,7 +270,17 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
         collect_flagged();
     }
     refit_nodes();
+    two_level_ = {}; // nobody said how the objects moved
     OCCLUDE_VALIDATE(validate(*this));
+}
+
+void Hierarchy::set_two_level(TwoLevelNodes nodes)
+{
+    const bool complete = nodes.empty() ||
+                          (nodes.object.size() == nodes_.size() &&
+                           nodes.box.size() == nodes_.size() && nodes.key.size() == nodes_.size());
+    OCCLUDE_ASSERT(complete, "a two-level tree says something of every node");
+    two_level_ = complete ? std::move(nodes) : TwoLevelNodes{};
 }
 
 std::string validate(const Hierarchy& hierarchy)

@@ -16,9 +16,12 @@
 #include <occlude/core/aabb.h>
 #include <occlude/core/ids.h>
 
+#include <glm/mat4x4.hpp>
+
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace occlude {
@@ -62,6 +65,29 @@ struct Node {
     uint32_t leaf = 0;              ///< 1 for real and virtual leaves: nothing below is walked
 };
 static_assert(sizeof(Node) == 56);
+
+/// What the nodes of a two-level tree (two_level.h) know beyond their world boxes. All vectors are
+/// empty for other trees.
+struct TwoLevelNodes {
+    static constexpr uint32_t kScene = 0xffffffffu;
+
+    /// Where an object stands.
+    struct ObjectFrame {
+        glm::mat4 world_from_object{1.0f};
+        bool oriented = false; ///< turned or sheared: its boxes are kept in its own space
+    };
+
+    std::vector<uint32_t> object; ///< per node: an index into `frames`, or kScene
+    std::vector<Aabb> box;        ///< per node: the box to test, in the object's own space if that
+                                  ///< is oriented, else in the world; bounds the whole subtree
+    std::vector<uint32_t> key;    ///< per node: its place in what algorithms remember; stays with
+                                  ///< the node while others come and go. A key may be used again.
+    std::vector<ObjectFrame> frames;
+    uint32_t key_count = 0; ///< keys are smaller
+    uint64_t lineage = 0;   ///< the same while keys keep their meaning; 0: no two-level tree
+
+    bool empty() const { return lineage == 0; }
+};
 
 class Hierarchy {
 public:
@@ -111,6 +137,13 @@ public:
     /// caller's bug). O(items + nodes).
     void refit(std::span<const ItemBounds> bounds_by_item);
 
+    /// What a two-level tree knows of its nodes; empty for other trees, and after refit().
+    const TwoLevelNodes& two_level() const { return two_level_; }
+    /// Precondition: one entry per node in `object`, `box` and `key`. Node ids keep their meaning.
+    void set_two_level(TwoLevelNodes nodes);
+    /// Takes it away, to be changed and set again.
+    TwoLevelNodes take_two_level() { return std::exchange(two_level_, {}); }
+
     /// Changes whenever node ids or leaves lose their meaning; no two structures of a process share
     /// one, while copies do. Cullers drop what they remember when it changes.
     uint64_t structure_version() const { return structure_version_; }
@@ -131,6 +164,7 @@ private:
     std::vector<ItemId> items_;
     std::vector<ItemBounds> item_bounds_;
     std::vector<FlaggedItem> flagged_;
+    TwoLevelNodes two_level_;
     uint64_t structure_version_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <occlude/hierarchy/bvh_builder.h>
 #include <occlude/hierarchy/grid_builder.h>
 #include <occlude/hierarchy/octree_builder.h>
+#include <occlude/hierarchy/two_level.h>
 
 #include <array>
 
@@ -25,6 +26,11 @@ static constexpr std::array kKinds{
     HierarchyKind{"grid", "a grid of cells, each a grid again where it holds more than one item",
                   [](std::span<const ItemBounds> items, uint32_t leaf_triangles) {
                       return build_grid(items, {.leaf_triangles = leaf_triangles});
+                  }},
+    HierarchyKind{"two_level",
+                  "a bsp of objects, with a bsp of its parts below each; they may move",
+                  [](std::span<const ItemBounds> items, uint32_t leaf_triangles) {
+                      return build_two_level(items, {.leaf_triangles = leaf_triangles});
                   }},
 };
 

@@ -44,6 +44,10 @@ public:
     /// The object that owns `item` now, or an invalid id if the slot is free.
     ObjectId object_of(ItemId item) const;
 
+    /// The box of `item` in the space of its object; meaningless for a free slot. Precondition:
+    /// item_bounds() has that slot.
+    const Aabb& local_box(ItemId item) const { return local_boxes_[item.value]; }
+
     /// World bounds and flags of every item slot, indexed by ItemId. Free slots have empty boxes, 0
     /// triangles and no flags.
     std::span<const ItemBounds> item_bounds() const { return bounds_; }

@@ -213,7 +213,7 @@ TEST(Cli, VerifyWalksASmoothPathAndOneWithJumpsAndExitsWithZero)
 TEST(Cli, MovingScenesAreVerifiedOnEveryHierarchyAndSaidToMove)
 {
     const std::string scene = "movers:count=60,triangles=2k";
-    for (const char* hierarchy : {"bvh", "bsp", "octree", "grid"}) {
+    for (const char* hierarchy : {"bvh", "bsp", "octree", "grid", "two_level"}) {
         const Outcome outcome = run(small({"verify", scene, "--frames", "20", "--leaf-triangles",
                                            "50", "--hierarchy", hierarchy, "--repeat", "2"}));
         EXPECT_EQ(outcome.code, 0) << hierarchy << outcome.err << outcome.out;

@@ -33,15 +33,22 @@ struct MovingStage {
     Stage stage(SceneRenderer* other = nullptr)
     {
         SceneRenderer& renderer = other != nullptr ? *other : *tiny.renderer;
-        player = std::make_unique<MotionPlayer>(
-            tiny.model, tiny.scene, tiny.hierarchy, renderer,
-            [](auto items) { return build_bvh(items, {.leaf_triangles = 0}); });
+        tiny.scene = make_cull_scene(tiny.model);
+        tiny.hierarchy = build(tiny.scene.scene.item_bounds());
+        tree = std::make_unique<RefittedTree>(tiny.hierarchy, tiny.scene.scene, build);
+        player = std::make_unique<MotionPlayer>(tiny.model, tiny.scene, *tree, renderer);
         Stage stage{tiny.hierarchy, tiny.scene.scene.item_bounds(), renderer};
         stage.go_to = [this](size_t frame) { player->go_to(frame); };
         return stage;
     }
 
+    static Hierarchy build(std::span<const ItemBounds> items)
+    {
+        return build_bvh(items, {.leaf_triangles = 0});
+    }
+
     TinyStage tiny;
+    std::unique_ptr<RefittedTree> tree;
     std::unique_ptr<MotionPlayer> player;
 };
 
@@ -78,7 +85,8 @@ std::vector<View> path_views(const SceneModel& model, const std::string& path, s
 
 std::vector<Contender> exact_testers()
 {
-    return {registered("stop_and_wait"), registered("chc"), registered("chc_plus_plus")};
+    return {registered("stop_and_wait"), registered("chc"), registered("chc_plus_plus"),
+            registered("two_level")};
 }
 
 std::vector<Contender> all_registered()
@@ -201,7 +209,7 @@ TEST(MotionPlayer, TheSameFramesGiveTheSameIdsBoxesAndTreesAgain)
         return states;
     };
     const std::vector<State> first = play();
-    EXPECT_GT(moving.player->rebuild_count(), 0u) << "the case of a new tree was not met";
+    EXPECT_GT(moving.tree->rebuild_count(), 0u) << "the case of a new tree was not met";
     EXPECT_NE(first.front().instances, first.back().instances) << "no id was used again";
     const std::vector<State> second = play();
     for (size_t frame = 0; frame < first.size(); ++frame) {
@@ -260,6 +268,27 @@ TEST(MotionPlayer, AllAlgorithmsAreExactWithOpenGlWhileEverythingMoves)
     expect_exact(moving.stage(&**renderer), path_views(moving.tiny.model, "orbit", 24));
 }
 
+TEST(MotionPlayer, AllAlgorithmsAreExactOnTheRelinkedTreeAndReplayIt)
+{
+    MovingStage moving{crowd()};
+    Stage refitted = moving.stage();
+    TwoLevelScene two_level;
+    RelinkedTree tree{two_level, {}};
+    MotionPlayer player{moving.tiny.model, moving.tiny.scene, tree, refitted.renderer};
+    Stage stage{two_level.hierarchy(), refitted.item_bounds, refitted.renderer};
+    stage.go_to = [&](size_t frame) { player.go_to(frame); };
+    const std::vector<View> views = path_views(moving.tiny.model, "inside", 30);
+    set_frame(stage, 0);
+    expect_exact(stage, views);
+    const auto first = verify(stage, exact_testers(), views);
+    const auto second = verify(stage, exact_testers(), views);
+    ASSERT_TRUE(first && second);
+    for (size_t i = 0; i < first->size(); ++i) {
+        EXPECT_EQ(summarise((*first)[i]).decision_hash, summarise((*second)[i]).decision_hash)
+            << (*first)[i].algorithm;
+    }
+}
+
 TEST(MotionPlayer, BothRenderersShowTheSameObjectsAfterIdsWereUsedAgain)
 {
     MovingStage moving{crowd()};
@@ -294,8 +323,8 @@ TEST(MotionPlayer, AMissingRefitIsCaught)
     Stage stage = moving.stage();
     // Everything moves but the tree: what is refitted is another one.
     Hierarchy refitted = moving.tiny.hierarchy;
-    MotionPlayer forgetful{moving.tiny.model, moving.tiny.scene, refitted, stage.renderer,
-                           [](auto items) { return build_bvh(items, {.leaf_triangles = 0}); }};
+    RefittedTree tree{refitted, moving.tiny.scene.scene, MovingStage::build};
+    MotionPlayer forgetful{moving.tiny.model, moving.tiny.scene, tree, stage.renderer};
     stage.go_to = [&](size_t frame) { forgetful.go_to(frame); };
     const auto runs = verify(stage, exact_testers(), path_views(moving.tiny.model, "inside", 12));
     ASSERT_TRUE(runs);

@@ -24,6 +24,7 @@ struct RawStage {
     StageOptions stage;
     std::string device;
     std::string size = "1280x720";
+    std::string cache_folder;
 };
 
 // Ends parsing with a message of ours.
@@ -80,6 +81,13 @@ void add_stage_options(CLI::App& app, RawStage& raw)
                    "Triangles up to which a mesh stays one item")
         ->capture_default_str()
         ->check(whole_number(1, kMaxTriangles));
+    app.add_option("--split", stage.split,
+                   "Where larger meshes are parted: centroid (between triangles) or exact (planes "
+                   "cut triangles)")
+        ->capture_default_str();
+    app.add_option("--cache", raw.cache_folder,
+                   "Where exactly split meshes are kept (default: occlude in the user's cache)")
+        ->type_name("DIR");
 }
 
 void add_frames_option(CLI::App& app, StageOptions& stage)
@@ -139,6 +147,9 @@ StageOptions finish_stage(const RawStage& raw, const CLI::App& app)
     stage.size = value_or_throw(parse_size(raw.size));
     if (app.count("--device") > 0) {
         stage.device = raw.device;
+    }
+    if (app.count("--cache") > 0) {
+        stage.cache_folder = raw.cache_folder;
     }
     return stage;
 }

@@ -27,7 +27,9 @@ struct StageOptions {
     int samples = 1; ///< multisampling
     uint32_t leaf_triangles = BvhOptions{}.leaf_triangles;
     uint32_t item_triangles = SceneOptions{}.item_triangles;
-    std::vector<std::string> sets; ///< ALGORITHM.OPTION=VALUE
+    std::string split = "centroid";
+    std::optional<std::string> cache_folder; ///< empty: default_cache_folder()
+    std::vector<std::string> sets;           ///< ALGORITHM.OPTION=VALUE
 };
 
 /// For bench and verify, which take the same options.

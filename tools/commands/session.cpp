@@ -1,12 +1,28 @@
 #include "commands/session.h"
 
+#include "scenes/exact_split.h"
+
 #include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <fmt/format.h>
 
 #include <ostream>
+#include <string_view>
 
 namespace occlude::tools {
+
+static constexpr std::string_view kTwoLevel = "two_level";
+
+static SceneOptions scene_options(const StageOptions& options)
+{
+    SceneOptions scene{.item_triangles = options.item_triangles};
+    if (options.split == "exact") {
+        scene.split = SceneOptions::Split::exact;
+        scene.cache_folder = options.cache_folder ? std::filesystem::path{*options.cache_folder}
+                                                  : default_cache_folder();
+    }
+    return scene;
+}
 
 Result<bool> check_stage_options(const StageOptions& options)
 {
@@ -21,6 +37,9 @@ Result<bool> check_stage_options(const StageOptions& options)
     }
     if (options.test != "queries") {
         return unknown("--test", options.test, "queries");
+    }
+    if (options.split != "centroid" && options.split != "exact") {
+        return unknown("--split", options.split, "centroid or exact");
     }
     if (options.device && *options.device != "gl" && *options.device != "cpu") {
         return unknown("--device", *options.device, "gl or cpu");
@@ -38,18 +57,33 @@ Session::Session(SceneModel model, const StageOptions& options)
     : options_(options)
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
-    , hierarchy_(build(scene_.scene.item_bounds()))
 {
+    if (options.hierarchy == kTwoLevel) { // knows of objects, not only of items
+        two_level_ = std::make_unique<TwoLevelScene>(
+            TwoLevelOptions{.leaf_triangles = options.leaf_triangles});
+        two_level_->sync(scene_.scene);
+    } else {
+        hierarchy_ = find_hierarchy_kind(options.hierarchy)
+                         ->build(scene_.scene.item_bounds(), options.leaf_triangles);
+    }
 }
 
-Hierarchy Session::build(std::span<const ItemBounds> items) const
+void Session::make_motion()
 {
-    return find_hierarchy_kind(options_.hierarchy)->build(items, options_.leaf_triangles);
+    if (two_level_) {
+        moving_tree_ = std::make_unique<RelinkedTree>(
+            *two_level_, TwoLevelOptions{.leaf_triangles = options_.leaf_triangles});
+    } else {
+        moving_tree_ = std::make_unique<RefittedTree>(hierarchy_, scene_.scene, [this](auto items) {
+            return find_hierarchy_kind(options_.hierarchy)->build(items, options_.leaf_triangles);
+        });
+    }
+    motion_ = std::make_unique<MotionPlayer>(model_, scene_, *moving_tree_, *renderer_);
 }
 
 Stage Session::stage()
 {
-    Stage stage{hierarchy_, scene_.scene.item_bounds(), *renderer_};
+    Stage stage{hierarchy(), scene_.scene.item_bounds(), *renderer_};
     if (motion_) {
         stage.go_to = [this](size_t frame) { motion_->go_to(frame); };
     }
@@ -86,7 +120,7 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
     if (const auto checked = check_stage_options(options); !checked) {
         return checked.error();
     }
-    auto model = load_scene(scene, {.item_triangles = options.item_triangles});
+    auto model = load_scene(scene, scene_options(options));
     if (!model) {
         return model.error();
     }
@@ -101,9 +135,7 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
         return made.error();
     }
     if (!session->model_.motion.empty()) {
-        session->motion_ = std::make_unique<MotionPlayer>(
-            session->model_, session->scene_, session->hierarchy_, *session->renderer_,
-            [made = session.get()](auto items) { return made->build(items); });
+        session->make_motion();
     }
     return session;
 }

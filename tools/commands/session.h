@@ -5,6 +5,8 @@
 #include "measure/motion_player.h"
 #include "measure/stage.h"
 
+#include <occlude/scene/two_level_scene.h>
+
 #include <iosfwd>
 #include <memory>
 
@@ -19,7 +21,7 @@ public:
 
     const SceneModel& model() const { return model_; }
     const CullScene& scene() const { return scene_; }
-    const Hierarchy& hierarchy() const { return hierarchy_; }
+    const Hierarchy& hierarchy() const { return two_level_ ? two_level_->hierarchy() : hierarchy_; }
     SceneRenderer& renderer() { return *renderer_; }
     /// "gl" or "cpu".
     const std::string& device_name() const { return device_name_; }
@@ -40,15 +42,17 @@ public:
 private:
     Session(SceneModel model, const StageOptions& options);
     Result<bool> make_renderer(std::ostream& notes);
-    Hierarchy build(std::span<const ItemBounds> items) const;
+    void make_motion();
 
     StageOptions options_;
     SceneModel model_;
     CullScene scene_;
     Hierarchy hierarchy_;
+    std::unique_ptr<TwoLevelScene> two_level_; ///< instead of hierarchy_, if that was chosen
     std::unique_ptr<SceneRenderer> renderer_;
     std::string device_name_;
-    std::unique_ptr<MotionPlayer> motion_; ///< null: nothing moves
+    std::unique_ptr<MovingTree> moving_tree_; ///< these are null if nothing moves
+    std::unique_ptr<MotionPlayer> motion_;
 };
 
 /// Errors for choices that this version does not have. Costs nothing: call it before loading.

@@ -1,0 +1,84 @@
+// Keeps a tree in step with a scene whose objects move, come and go.
+#pragma once
+
+#include <occlude/hierarchy/hierarchy.h>
+#include <occlude/scene/scene.h>
+#include <occlude/scene/two_level_scene.h>
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace occlude::tools {
+
+class MovingTree {
+public:
+    virtual ~MovingTree() = default;
+    MovingTree(const MovingTree&) = delete;
+    MovingTree& operator=(const MovingTree&) = delete;
+
+    /// Begins anew: `scene` has all its objects, where they are at first. What follows depends on
+    /// nothing that was before.
+    virtual void rewind(const Scene& scene) = 0;
+    /// Takes over the scene as it is in `frame`: once per frame, before any view is culled.
+    virtual void update(const Scene& scene, size_t frame) = 0;
+
+protected:
+    MovingTree() = default;
+};
+
+using BuildHierarchy = std::function<Hierarchy(std::span<const ItemBounds>)>;
+
+/// Any hierarchy, refitted in every frame. As all objects are there when it is built, every item id
+/// has its place in it for ever: a free slot has an empty box, which is outside of every frustum.
+/// It is built anew only when refitting has made it too bad, because cullers then forget what they
+/// know.
+class RefittedTree final : public MovingTree {
+public:
+    /// Built anew when its expected cost (sah_cost()) exceeds that of the fresh tree this many
+    /// times, but not before so many frames.
+    static constexpr double kWorstCost = 1.5;
+    static constexpr size_t kRebuildPause = 16;
+
+    /// Keeps a reference. `hierarchy` is what `build` makes of the boxes of `scene`, which has all
+    /// its objects.
+    RefittedTree(Hierarchy& hierarchy, const Scene& scene, BuildHierarchy build);
+
+    /// Builds, if update() has built.
+    void rewind(const Scene& scene) override;
+    /// O(items + nodes), and a build now and then.
+    void update(const Scene& scene, size_t frame) override;
+
+    /// How often the tree was built anew since the last rewind().
+    size_t rebuild_count() const { return rebuilds_; }
+
+private:
+    void build_tree(size_t frame);
+
+    Hierarchy& hierarchy_;
+    BuildHierarchy build_;
+    std::vector<ItemBounds> reserved_; ///< by item: the last box that was not empty
+    double fresh_cost_ = 0.0;
+    size_t built_at_ = 0;
+    size_t rebuilds_ = 0;
+};
+
+/// The two-level tree, which relinks what has moved.
+class RelinkedTree final : public MovingTree {
+public:
+    /// Keeps a reference.
+    RelinkedTree(TwoLevelScene& tree, const TwoLevelOptions& options)
+        : tree_(tree)
+        , options_(options)
+    {
+    }
+
+    void rewind(const Scene& scene) override;
+    void update(const Scene& scene, size_t frame) override;
+
+private:
+    TwoLevelScene& tree_;
+    TwoLevelOptions options_;
+};
+
+} // namespace occlude::tools
