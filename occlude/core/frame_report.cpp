@@ -8,6 +8,9 @@ std::string to_string(const Guarantee& guarantee)
     case Guarantee::Kind::latent:
         return "latent(" + std::to_string(guarantee.frames) + ")";
     case Guarantee::Kind::approximate:
+        if (guarantee.threshold == Guarantee::kAnySamples) {
+            return "approximate";
+        }
         return "approximate(" + std::to_string(guarantee.threshold) + ")";
     case Guarantee::Kind::exact:
         break;

@@ -17,6 +17,9 @@ struct Guarantee {
     uint32_t frames = 0;
     uint64_t threshold = 0;
 
+    /// As threshold: objects of any size may be missing.
+    static constexpr uint64_t kAnySamples = ~uint64_t{0};
+
     static Guarantee exact() { return {}; }
     static Guarantee latent(uint32_t frames) { return {Kind::latent, frames, 0}; }
     static Guarantee approximate(uint64_t threshold) { return {Kind::approximate, 0, threshold}; }
@@ -24,7 +27,7 @@ struct Guarantee {
     bool operator==(const Guarantee&) const = default;
 };
 
-/// "exact", "latent(1)" or "approximate(20)".
+/// "exact", "latent(1)", "approximate(20)", or "approximate" where anything may be missing.
 std::string to_string(const Guarantee& guarantee);
 
 struct FrameCounters {

@@ -78,7 +78,7 @@ void Chc::visit_node(CullFrame& frame, DistanceQueue::Entry entry)
         pull_up_visibility(node);
         traverse_node(frame, node, entry.mask, Decision::drawn);
     } else if (options_.visible_test == ChcOptions::VisibleTest::geometry &&
-               frame.caps().draw_and_query) {
+               frame.can_draw_and_query(node)) {
         const Ticket ticket = frame.draw_and_query(node, entry.mask, Decision::drawn_tested);
         query_queue_.push({ticket, node, entry.mask});
     } else {

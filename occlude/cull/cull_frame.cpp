@@ -2,6 +2,8 @@
 
 #include <occlude/core/assert.h>
 
+#include <algorithm>
+
 namespace occlude {
 
 CullFrame::CullFrame(Culler& culler, const View& view, QueryDevice& device, FrameReport& report)
@@ -11,10 +13,48 @@ CullFrame::CullFrame(Culler& culler, const View& view, QueryDevice& device, Fram
     , device_(device)
     , report_(report)
     , drawn_(culler.drawn_items_)
+    , translucent_(culler.translucent_items_)
+    , late_(culler.late_items_)
 {
     drawn_.clear();
+    translucent_.clear();
+    late_.clear();
     culler_.decisions_.clear();
     device_.begin_frame(view_);
+    start_never_culled();
+}
+
+void CullFrame::queue(uint32_t position)
+{
+    drawn_.push_back(hierarchy_.items()[position]);
+    queued_triangles_ += hierarchy_.item_bounds()[position].triangles;
+}
+
+// Puts an item aside if its flags say so, to be drawn when the frame finishes.
+bool CullFrame::set_aside(uint32_t position)
+{
+    const ItemBounds& bounds = hierarchy_.item_bounds()[position];
+    if (has_flag(bounds.flags, ItemFlags::translucent)) {
+        translucent_.push_back(
+            {view_.distance_key(bounds.box), hierarchy_.items()[position], bounds.triangles});
+        return true;
+    }
+    if (has_flag(bounds.flags, ItemFlags::never_occlude)) {
+        late_.push_back(position);
+        return true;
+    }
+    return false;
+}
+
+void CullFrame::start_never_culled()
+{
+    for (const Hierarchy::FlaggedItem& flagged : hierarchy_.flagged_items()) {
+        const ItemBounds& bounds = hierarchy_.item_bounds()[flagged.position];
+        const bool wanted = has_flag(bounds.flags, ItemFlags::never_cull) && !bounds.box.is_empty();
+        if (wanted && !set_aside(flagged.position)) {
+            queue(flagged.position);
+        }
+    }
 }
 
 bool CullFrame::visit(NodeId node, PlaneMask& mask)
@@ -33,38 +73,81 @@ bool CullFrame::near(NodeId node) const
 }
 
 void CullFrame::draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask,
-                           Decision decision)
+                           Decision decision, DecisionLog::Scope scope)
 {
-    culler_.decisions_.add(node, decision);
+    culler_.decisions_.add(node, decision, scope);
+    const bool has_flags = hierarchy_.has_flags();
     for (uint32_t i = first; i < first + count; ++i) {
         const ItemBounds& bounds = hierarchy_.item_bounds()[i];
         PlaneMask item_mask = mask;
         if (view_.frustum().classify(bounds.box, item_mask) == Containment::outside) {
             continue;
         }
-        drawn_.push_back(hierarchy_.items()[i]);
-        queued_triangles_ += bounds.triangles;
+        if (has_flags && (has_flag(bounds.flags, ItemFlags::never_cull) || set_aside(i))) {
+            continue;
+        }
+        queue(i);
     }
 }
 
 void CullFrame::draw_leaf(NodeId leaf, PlaneMask mask, Decision decision)
 {
     const Node& n = hierarchy_.node(leaf);
-    draw_range(leaf, n.first_item, n.subtree_items, mask, decision);
+    draw_range(leaf, n.first_item, n.subtree_items, mask, decision, DecisionLog::Scope::subtree);
 }
 
 void CullFrame::draw_own(NodeId node, PlaneMask mask, Decision decision)
 {
     const Node& n = hierarchy_.node(node);
     if (n.own_items > 0) {
-        draw_range(node, n.first_item, n.own_items, mask, decision);
+        draw_range(node, n.first_item, n.own_items, mask, decision, DecisionLog::Scope::own_items);
     }
+}
+
+void CullFrame::draw_item(NodeId owner, uint32_t place, PlaneMask mask, Decision decision)
+{
+    const ItemBounds& bounds = hierarchy_.item_bounds()[place];
+    if (view_.frustum().classify(bounds.box, mask) == Containment::outside) {
+        decision = Decision::outside;
+    } else if (!has_flag(bounds.flags, ItemFlags::never_cull) && !set_aside(place)) {
+        queue(place);
+    }
+    culler_.decisions_.add(owner, hierarchy_.items()[place], decision);
 }
 
 void CullFrame::draw_items(std::span<const ItemId> items, uint64_t triangles)
 {
-    drawn_.insert(drawn_.end(), items.begin(), items.end());
     queued_triangles_ += triangles;
+    if (!hierarchy_.has_flags()) {
+        drawn_.insert(drawn_.end(), items.begin(), items.end());
+        return;
+    }
+    const auto flagged = hierarchy_.flagged_items();
+    for (const ItemId item : items) {
+        const auto found =
+            std::lower_bound(flagged.begin(), flagged.end(), Hierarchy::FlaggedItem{item, 0});
+        if (found == flagged.end() || found->item != item) {
+            drawn_.push_back(item);
+            continue;
+        }
+        const ItemBounds& bounds = hierarchy_.item_bounds()[found->position];
+        queued_triangles_ -= bounds.triangles;
+        if (!has_flag(bounds.flags, ItemFlags::never_cull)) {
+            set_aside(found->position);
+        }
+    }
+}
+
+bool CullFrame::can_draw_and_query(NodeId leaf) const
+{
+    if (!device_.caps().draw_and_query || !hierarchy_.has_flags()) {
+        return device_.caps().draw_and_query;
+    }
+    const Node& n = hierarchy_.node(leaf);
+    const auto bounds = hierarchy_.item_bounds().subspan(n.first_item, n.subtree_items);
+    return std::none_of(bounds.begin(), bounds.end(), [](const ItemBounds& item) {
+        return has_flag(item.flags, kDrawnOutOfTurn);
+    });
 }
 
 void CullFrame::enter_state(bool testing)
@@ -160,14 +243,29 @@ bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)
     return true;
 }
 
+void CullFrame::draw_translucent()
+{
+    std::sort(translucent_.begin(), translucent_.end(), blended_before);
+    for (const TranslucentItem& translucent : translucent_) {
+        drawn_.push_back(translucent.item);
+        queued_triangles_ += translucent.triangles;
+    }
+    pass_ = DrawPass::shade;
+    flush_draws();
+}
+
 void CullFrame::finish()
 {
+    for (const uint32_t position : late_) {
+        queue(position);
+    }
     flush_draws();
     if (pass_ == DrawPass::depth_only && !drawn_.empty()) {
         enter_state(false);
         device_.draw(drawn_, DrawPass::shade_equal);
         ++report_.counters.draw_calls;
     }
+    draw_translucent();
     device_.end_frame();
 }
 

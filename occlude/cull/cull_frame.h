@@ -1,5 +1,12 @@
 // One frame of one culler: everything an algorithm says to the device goes through here, so that
 // the counters, the decision log and the list of drawn items always agree with what was said.
+//
+// Item flags hold for all algorithms, and none of them needs to know:
+//   never_cull     queued first of all, in the frustum or not; later requests for it are ignored
+//   never_occlude  set aside, and drawn when all tests are done
+//   translucent    set aside, and drawn after everything else, back to front
+// Setting aside is exact: an item that was hidden when its node was tested stays hidden by whatever
+// is drawn later.
 #pragma once
 
 #include <occlude/core/frame_report.h>
@@ -75,6 +82,8 @@ public:
     void draw_leaf(NodeId leaf, PlaneMask mask, Decision decision);
     /// ... the items of an inner node itself, without its children.
     void draw_own(NodeId node, PlaneMask mask, Decision decision);
+    /// ... one item of node `owner`, by its place in Hierarchy::items().
+    void draw_item(NodeId owner, uint32_t place, PlaneMask mask, Decision decision);
     /// ... items by id, in this order (for algorithms that know them otherwise).
     void draw_items(std::span<const ItemId> items, uint64_t triangles);
 
@@ -83,7 +92,12 @@ public:
     /// Hands the render queue to the device as one batch; nothing if it is empty.
     void flush_draws();
 
+    /// True if the device can draw_and_query() and all of the leaf is drawn then: none of its items
+    /// is set aside by a flag.
+    bool can_draw_and_query(NodeId leaf) const;
+
     /// Draws a leaf at once and counts its own samples: a test with the geometry itself.
+    /// Precondition: can_draw_and_query(leaf); else what is set aside is not counted.
     Ticket draw_and_query(NodeId leaf, PlaneMask mask, Decision decision);
 
     /// Draws depth only from now on; finish() then shades all drawn items in one batch.
@@ -105,11 +119,23 @@ public:
     /// Logs a decision that draws nothing: the node was found hidden.
     void decide(NodeId node, Decision decision) { culler_.decisions_.add(node, decision); }
 
-    /// Draws what is still queued, shades after a depth-only pass, ends the device's frame.
+    /// ... of one item of node `owner`, by its place in Hierarchy::items().
+    void decide_item(NodeId owner, uint32_t place, Decision decision)
+    {
+        culler_.decisions_.add(owner, hierarchy_.items()[place], decision);
+    }
+
+    /// Draws what is still queued and the items set aside, shades after a depth-only pass, ends the
+    /// device\'s frame.
     void finish();
 
 private:
-    void draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask, Decision decision);
+    void draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask, Decision decision,
+                    DecisionLog::Scope scope);
+    void start_never_culled();
+    bool set_aside(uint32_t position);
+    void queue(uint32_t position);
+    void draw_translucent();
     void enter_state(bool testing);
     Answer counted(Answer answer);
 
@@ -118,8 +144,10 @@ private:
     const View& view_;
     QueryDevice& device_;
     FrameReport& report_;
-    std::vector<ItemId>& drawn_; ///< all items drawn or queued in this frame
-    size_t flushed_ = 0;         ///< how many of `drawn_` the device has got
+    std::vector<ItemId>& drawn_;                ///< all items drawn or queued in this frame
+    std::vector<TranslucentItem>& translucent_; ///< set aside by their flags ...
+    std::vector<uint32_t>& late_;               ///< ... as places in Hierarchy::items()
+    size_t flushed_ = 0;                        ///< how many of `drawn_` the device has got
     uint64_t queued_triangles_ = 0;
     DrawPass pass_ = DrawPass::shade;
     bool testing_ = false;

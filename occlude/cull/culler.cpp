@@ -7,7 +7,7 @@ namespace occlude {
 FrameReport Culler::cull(const View& view, QueryDevice& device)
 {
     if (seen_structure_ != hierarchy_.structure_version()) {
-        reset();
+        structure_changed();
         seen_structure_ = hierarchy_.structure_version();
     }
     FrameReport report;

@@ -5,6 +5,7 @@
 #include <occlude/core/ids.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/view.h>
+#include <occlude/cull/back_to_front.h>
 #include <occlude/cull/decision_log.h>
 #include <occlude/hierarchy/hierarchy.h>
 
@@ -36,7 +37,7 @@ public:
     /// The items drawn by the last cull(), in draw order, each once. Valid until the next cull().
     std::span<const ItemId> drawn_items() const { return drawn_items_; }
 
-    /// What the last cull() decided, and why. Valid until the next cull().
+    /// What the last cull() decided, and why; of a never_cull item: what would have become of it. Valid until the next cull().
     const DecisionLog& decisions() const { return decisions_; }
 
     const Hierarchy& hierarchy() const { return hierarchy_; }
@@ -47,6 +48,9 @@ protected:
     /// One frame of the algorithm. `frame` counts from 0 since the last reset.
     virtual void cull_frame(class CullFrame& frame) = 0;
     virtual void reset_state() = 0;
+    /// The hierarchy's node ids have lost their meaning since the last frame. Forgets everything,
+    /// unless an algorithm knows better.
+    virtual void structure_changed() { reset(); }
     virtual Guarantee guarantee() const { return Guarantee::exact(); }
 
 private:
@@ -54,6 +58,8 @@ private:
     uint64_t seen_structure_ = 0;
     uint64_t next_frame_ = 0;
     std::vector<ItemId> drawn_items_;
+    std::vector<TranslucentItem> translucent_items_; ///< of the frame, until it ends
+    std::vector<uint32_t> late_items_;               ///< likewise: places in Hierarchy::items()
     DecisionLog decisions_;
 };
 

@@ -18,11 +18,11 @@ void Opt::cull_frame(CullFrame& frame)
         PlaneMask mask = Frustum::kAllPlanes;
         if (!is_drawn(entry.decision)) {
             frame.decide(entry.node, entry.decision);
-        } else if (hierarchy().is_leaf(entry.node)) {
+        } else if (entry.scope == DecisionLog::Scope::own_items) {
+            frame.draw_own(entry.node, mask, Decision::drawn);
+        } else {
             frame.visit(entry.node, mask);
             frame.draw_leaf(entry.node, mask, Decision::drawn);
-        } else {
-            frame.draw_own(entry.node, mask, Decision::drawn);
         }
     }
 }
@@ -48,10 +48,20 @@ void Ideal::record(const View& view, QueryDevice&, std::span<const ItemId> owner
     index_items();
     std::vector<std::pair<float, ItemId>> order;
     visible_triangles_ = 0;
-    for (const ItemId item : owners) {
+    const auto add = [&](ItemId item) {
         const ItemBounds& bounds = hierarchy().item_bounds()[position_of_item_[item.value]];
         order.emplace_back(view.distance_key(bounds.box), item);
         visible_triangles_ += bounds.triangles;
+    };
+    for (const ItemId item : owners) {
+        add(item);
+    }
+    for (const Hierarchy::FlaggedItem& flagged : hierarchy().flagged_items()) {
+        const ItemBounds& bounds = hierarchy().item_bounds()[flagged.position];
+        if (has_flag(bounds.flags, ItemFlags::translucent) &&
+            view.frustum().classify(bounds.box) != Containment::outside) {
+            add(flagged.item);
+        }
     }
     std::sort(order.begin(), order.end());
     visible_.clear();

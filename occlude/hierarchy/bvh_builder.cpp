@@ -393,7 +393,9 @@ Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options
     std::vector<ItemBounds> bounds(items.size());
     tbb::parallel_for(size_t{0}, items.size(), [&](size_t i) {
         order[i] = ItemId{primitives[i].item};
-        bounds[i] = {{primitives[i].min, primitives[i].max}, primitives[i].triangles};
+        bounds[i] = {{primitives[i].min, primitives[i].max},
+                     primitives[i].triangles,
+                     items[primitives[i].item].flags};
     });
     Hierarchy hierarchy =
         Hierarchy::from_arrays(std::move(nodes), std::move(order), std::move(bounds));

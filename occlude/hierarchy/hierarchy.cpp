@@ -180,9 +180,14 @@ Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> it
     result.item_bounds_ = std::move(item_bounds);
     result.structure_version_ = next_structure_version();
 
-    for (ItemBounds& item : result.item_bounds_) {
+    for (uint32_t i = 0; i < result.item_bounds_.size(); ++i) {
+        ItemBounds& item = result.item_bounds_[i];
         item.box = sanitized(item.box);
+        if (has_flag(item.flags, kDrawnOutOfTurn) && i < result.items_.size()) {
+            result.flagged_.push_back({result.items_[i], i});
+        }
     }
+    std::sort(result.flagged_.begin(), result.flagged_.end());
     const std::span<Node> all = result.nodes_;
     if (!all.empty()) {
         all[0].parent = NodeId{};
@@ -247,8 +252,18 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
         item_bounds_[i].box =
             known ? sanitized(bounds_by_item[items_[i].value].box) : Aabb::everything();
     }
+    two_level_ = {}; // nobody said how the objects moved
     refit_boxes();
     OCCLUDE_VALIDATE(validate(*this));
+}
+
+void Hierarchy::set_two_level(TwoLevelNodes nodes)
+{
+    const bool complete = nodes.empty() ||
+                          (nodes.object.size() == nodes_.size() &&
+                           nodes.box.size() == nodes_.size() && nodes.key.size() == nodes_.size());
+    OCCLUDE_ASSERT(complete, "a two-level tree says something of every node");
+    two_level_ = complete ? std::move(nodes) : TwoLevelNodes{};
 }
 
 std::string validate(const Hierarchy& hierarchy)

@@ -16,17 +16,41 @@
 #include <occlude/core/aabb.h>
 #include <occlude/core/ids.h>
 
+#include <glm/mat4x4.hpp>
+
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace occlude {
+
+/// How an item takes part in culling. CullFrame sees to it, for every algorithm alike.
+enum class ItemFlags : uint8_t {
+    none = 0,
+    never_cull = 1,    ///< always drawn, first of all; unless its box is empty
+    never_occlude = 2, ///< drawn after all tests: hides nothing
+    translucent = 4,   ///< occludee only, drawn last, back to front
+    alpha_tested = 8,  ///< drawn with its test, occludes what it covers
+};
+constexpr ItemFlags operator|(ItemFlags a, ItemFlags b)
+{
+    return static_cast<ItemFlags>(static_cast<uint8_t>(a) | static_cast<uint8_t>(b));
+}
+constexpr bool has_flag(ItemFlags flags, ItemFlags flag)
+{
+    return (static_cast<uint8_t>(flags) & static_cast<uint8_t>(flag)) != 0;
+}
+/// The flags of items that are not drawn when and where an algorithm says.
+inline constexpr ItemFlags kDrawnOutOfTurn =
+    ItemFlags::never_cull | ItemFlags::never_occlude | ItemFlags::translucent;
 
 /// What a builder needs to know of one item.
 struct ItemBounds {
     Aabb box; ///< world space
     uint32_t triangles = 0;
+    ItemFlags flags = ItemFlags::none;
 };
 
 struct Node {
@@ -41,6 +65,29 @@ struct Node {
     uint32_t leaf = 0;              ///< 1 for real and virtual leaves: nothing below is walked
 };
 static_assert(sizeof(Node) == 56);
+
+/// What the nodes of a two-level tree (two_level.h) know beyond their world boxes. All vectors are
+/// empty for other trees.
+struct TwoLevelNodes {
+    static constexpr uint32_t kScene = 0xffffffffu;
+
+    /// Where an object stands.
+    struct ObjectFrame {
+        glm::mat4 world_from_object{1.0f};
+        bool oriented = false; ///< turned or sheared: its boxes are kept in its own space
+    };
+
+    std::vector<uint32_t> object; ///< per node: an index into `frames`, or kScene
+    std::vector<Aabb> box;        ///< per node: the box to test, in the object's own space if that
+                                  ///< is oriented, else in the world; bounds the whole subtree
+    std::vector<uint32_t> key;    ///< per node: its place in what algorithms remember; stays with
+                                  ///< the node while others come and go. A key may be used again.
+    std::vector<ObjectFrame> frames;
+    uint32_t key_count = 0; ///< keys are smaller
+    uint64_t lineage = 0;   ///< the same while keys keep their meaning; 0: no two-level tree
+
+    bool empty() const { return lineage == 0; }
+};
 
 class Hierarchy {
 public:
@@ -63,6 +110,17 @@ public:
     /// become Aabb::everything().
     std::span<const ItemBounds> item_bounds() const { return item_bounds_; }
 
+    /// An item with one of kDrawnOutOfTurn, and its place in items().
+    struct FlaggedItem {
+        ItemId item;
+        uint32_t position = 0;
+
+        auto operator<=>(const FlaggedItem&) const = default;
+    };
+    /// These items by ascending id. Mostly none.
+    std::span<const FlaggedItem> flagged_items() const { return flagged_; }
+    bool has_flags() const { return !flagged_.empty(); }
+
     /// A leaf for the algorithms: a node without children, or a virtual leaf.
     bool is_leaf(NodeId id) const { return node(id).leaf != 0; }
 
@@ -73,9 +131,16 @@ public:
     void set_virtual_leaves(uint32_t triangles);
 
     /// Takes new bounds of all items, indexed by ItemId, and refits all boxes bottom-up, keeping
-    /// the structure, the virtual leaves and the triangle counts. An item beyond the end of
+    /// the structure, the virtual leaves, the triangle counts and the flags. An item beyond the end of
     /// `bounds_by_item` becomes unbounded (and is a caller's bug). O(items + nodes).
     void refit(std::span<const ItemBounds> bounds_by_item);
+
+    /// What a two-level tree knows of its nodes; empty for other trees, and after refit().
+    const TwoLevelNodes& two_level() const { return two_level_; }
+    /// Precondition: one entry per node in `object`, `box` and `key`. Node ids keep their meaning.
+    void set_two_level(TwoLevelNodes nodes);
+    /// Takes it away, to be changed and set again.
+    TwoLevelNodes take_two_level() { return std::exchange(two_level_, {}); }
 
     /// Changes whenever node ids or leaves lose their meaning; no two structures of a process share
     /// one, while copies do. Cullers drop what they remember when it changes.
@@ -95,6 +160,8 @@ private:
     std::vector<Node> nodes_;
     std::vector<ItemId> items_;
     std::vector<ItemBounds> item_bounds_;
+    std::vector<FlaggedItem> flagged_;
+    TwoLevelNodes two_level_;
     uint64_t structure_version_ = 0;
 };
 

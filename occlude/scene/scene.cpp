@@ -31,7 +31,6 @@ ObjectId Scene::add(const glm::mat4& world_from_object, std::span<const ItemDesc
     } else {
         bounds_.resize(first + count);
         local_boxes_.resize(first + count);
-        flags_.resize(first + count);
         owner_.resize(first + count);
     }
 
@@ -50,8 +49,8 @@ ObjectId Scene::add(const glm::mat4& world_from_object, std::span<const ItemDesc
 
     for (uint32_t i = 0; i < count; ++i) {
         bounds_[first + i].triangles = items[i].triangles;
+        bounds_[first + i].flags = items[i].flags;
         local_boxes_[first + i] = items[i].local_box;
-        flags_[first + i] = items[i].flags;
         owner_[first + i] = slot;
         triangles_ += items[i].triangles;
     }

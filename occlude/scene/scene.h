@@ -17,22 +17,6 @@
 
 namespace occlude {
 
-enum class ItemFlags : uint8_t {
-    none = 0,
-    never_cull = 1,    ///< always drawn
-    never_occlude = 2, ///< drawn after all tests: hides nothing
-    translucent = 4,   ///< occludee only, drawn last, back to front
-    alpha_tested = 8,  ///< drawn with its test, occludes what it covers
-};
-constexpr ItemFlags operator|(ItemFlags a, ItemFlags b)
-{
-    return static_cast<ItemFlags>(static_cast<uint8_t>(a) | static_cast<uint8_t>(b));
-}
-constexpr bool has_flag(ItemFlags flags, ItemFlags flag)
-{
-    return (static_cast<uint8_t>(flags) & static_cast<uint8_t>(flag)) != 0;
-}
-
 struct ItemDesc {
     Aabb local_box; ///< in the space of the object
     uint32_t triangles = 0;
@@ -60,10 +44,14 @@ public:
     /// The object that owns `item` now, or an invalid id if the slot is free.
     ObjectId object_of(ItemId item) const;
 
-    /// World bounds of every item slot, indexed by ItemId. Free slots have empty boxes and 0
-    /// triangles.
+    /// The box of `item` in the space of its object; meaningless for a free slot. Precondition:
+    /// item_bounds() has that slot.
+    const Aabb& local_box(ItemId item) const { return local_boxes_[item.value]; }
+
+    /// World bounds and flags of every item slot, indexed by ItemId. Free slots have empty boxes, 0
+    /// triangles and no flags.
     std::span<const ItemBounds> item_bounds() const { return bounds_; }
-    ItemFlags item_flags(ItemId item) const { return flags_[item.value]; }
+    ItemFlags item_flags(ItemId item) const { return bounds_[item.value].flags; }
 
     /// Triangles of all living items.
     uint64_t triangle_count() const { return triangles_; }
@@ -87,7 +75,6 @@ private:
     std::vector<uint32_t> free_objects_;
     std::vector<ItemBounds> bounds_;
     std::vector<Aabb> local_boxes_;
-    std::vector<ItemFlags> flags_;
     std::vector<uint32_t> owner_;
     std::vector<std::vector<uint32_t>> free_items_; ///< first slots of free runs, by run length
     size_t live_objects_ = 0;

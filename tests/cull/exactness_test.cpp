@@ -5,11 +5,13 @@
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/registry.h>
 #include <occlude/device/delaying_device.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include "support/trees.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <set>
 
 namespace occlude {
@@ -52,7 +54,9 @@ public:
         static const std::vector<uint32_t> kIndices{0, 1, 2, 2, 1, 3, 4, 6, 5, 5, 6, 7,
                                                     0, 4, 1, 1, 4, 5, 2, 3, 6, 6, 3, 7,
                                                     0, 2, 4, 4, 2, 6, 1, 5, 3, 3, 5, 7};
-        return {.positions = positions_[item.value], .indices = kIndices};
+        return {.positions = positions_[item.value],
+                .indices = kIndices,
+                .translucent = has_flag(bounds[item.value].flags, ItemFlags::translucent)};
     }
 
     std::vector<ItemBounds> bounds;
@@ -64,6 +68,7 @@ private:
 struct Picture {
     std::vector<float> depth;
     std::vector<CpuDevice::Owner> owners;
+    std::vector<CpuDevice::TranslucentFragment> translucent;
 
     bool operator==(const Picture&) const = default;
 };
@@ -75,6 +80,8 @@ Picture picture_of(const CpuDevice& device)
     for (size_t i = 0; i < picture.depth.size(); ++i) {
         picture.owners.push_back(device.owner(i));
     }
+    const auto fragments = device.translucent_fragments();
+    picture.translucent.assign(fragments.begin(), fragments.end());
     return picture;
 }
 
@@ -111,13 +118,21 @@ struct Setup {
     glm::ivec2 size{161, 89};
     bool moving = false;
     bool late_answers = false;
+    std::string_view hierarchy = "bvh";
+    bool flags = false; ///< some items are translucent, some never cull, some never occlude
 };
 
 // Runs an algorithm beside the reference and expects the same picture in every frame.
 void expect_exact(const Setup& setup)
 {
     BoxScene scene(test::random_boxes(700, 31, 24.0f, 7.0f));
-    Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    for (size_t i = 0; setup.flags && i < scene.bounds.size(); ++i) {
+        constexpr std::array kFlags{
+            ItemFlags::translucent, ItemFlags::never_occlude, ItemFlags::never_cull,
+            ItemFlags::never_cull | ItemFlags::translucent, ItemFlags::alpha_tested};
+        scene.bounds[i].flags = i % 37 < kFlags.size() ? kFlags[i % 37] : ItemFlags::none;
+    }
+    Hierarchy tree = find_hierarchy_kind(setup.hierarchy)->build(scene.bounds, 24);
     CpuDevice device(scene);
     CpuDevice reference_device(scene);
     DelayingDevice late(device, {.seed = 3, .max_polls = 5, .lose_every = 7});
@@ -128,6 +143,7 @@ void expect_exact(const Setup& setup)
 
     uint64_t drawn = 0;
     uint64_t in_frustum = 0;
+    uint64_t blended = 0;
     for (uint64_t frame = 0; frame < 20; ++frame) {
         if (setup.moving) {
             for (size_t i = 0; i < scene.bounds.size(); ++i) {
@@ -142,18 +158,28 @@ void expect_exact(const Setup& setup)
         const View view = with_convention(camera(frame, setup.size), setup.convention);
         reference.cull(view, reference_device);
         (*culler)->cull(view, used);
-        ASSERT_EQ(picture_of(device), picture_of(reference_device)) << "frame " << frame;
+        const Picture expected = picture_of(reference_device);
+        ASSERT_EQ(picture_of(device), expected) << "frame " << frame;
+        blended += expected.translucent.size();
         drawn += (*culler)->drawn_items().size();
         in_frustum += reference.drawn_items().size();
     }
     // The scene is evidence: something is hidden, and something is not.
     EXPECT_LT(drawn, in_frustum * 9 / 10);
     EXPECT_GT(drawn, in_frustum / 20);
+    EXPECT_EQ(blended > 1000, setup.flags);
 }
 
 TEST(Exactness, StopAndWait)
 {
     expect_exact({.algorithm = "stop_and_wait"});
+}
+TEST(Exactness, BatchAndWait)
+{
+    expect_exact({.algorithm = "batch_and_wait"});
+    expect_exact({.algorithm = "batch_and_wait", .options = {{"batch_size", "3"}}});
+    expect_exact({.algorithm = "batch_and_wait", .moving = true});
+    expect_exact({.algorithm = "batch_and_wait", .late_answers = true});
 }
 TEST(Exactness, Chc)
 {
@@ -191,6 +217,83 @@ TEST(Exactness, ChcPlusPlusWithEachPartSwitched)
     for (const OptionValue& option : switches) {
         SCOPED_TRACE(option.first + "=" + option.second);
         expect_exact({.algorithm = "chc_plus_plus", .options = {option}});
+    }
+}
+
+TEST(Exactness, TwoPhase)
+{
+    expect_exact({.algorithm = "two_phase"});
+}
+TEST(Exactness, TwoPhaseWithEachPartSwitched)
+{
+    const std::vector<OptionValue> switches{{"virtual_leaves", "true"},
+                                            {"refine", "false"},
+                                            {"reread_triangles", "0"},
+                                            {"reread_triangles", "200"},
+                                            {"final_depth", "true"}};
+    for (const OptionValue& option : switches) {
+        SCOPED_TRACE(option.first + "=" + option.second);
+        expect_exact({.algorithm = "two_phase", .options = {option}});
+    }
+}
+
+TEST(Exactness, UniformGrid)
+{
+    for (const std::string levels : {"0", "1", "3"}) {
+        for (const std::string triangles : {"24", "200"}) {
+            SCOPED_TRACE(levels + " levels, cells of " + triangles);
+            const std::vector<OptionValue> options{{"nested_levels", levels},
+                                                   {"cell_triangles", triangles}};
+            expect_exact({.algorithm = "uniform_grid", .options = options});
+            expect_exact({.algorithm = "uniform_grid", .options = options, .moving = true});
+        }
+    }
+    expect_exact({.algorithm = "uniform_grid",
+                  .options = {{"cell_triangles", "100"}},
+                  .late_answers = true});
+}
+
+TEST(Exactness, PrioritizedWithTheConservativeFinish)
+{
+    for (const std::string budget : {"1", "1500"}) {
+        const std::vector<OptionValue> options{
+            {"finish", "true"}, {"budget_triangles", budget}, {"cell_triangles", "60"}};
+        expect_exact({.algorithm = "prioritized", .options = options});
+        expect_exact({.algorithm = "prioritized", .options = options, .moving = true});
+        expect_exact({.algorithm = "prioritized", .options = options, .late_answers = true});
+    }
+}
+
+TEST(Exactness, Statistical)
+{
+    expect_exact({.algorithm = "statistical"});
+}
+
+TEST(Exactness, StatisticalWithEachPartSwitched)
+{
+    const std::vector<OptionValue> switches{
+        {"base_time", "0"},         {"base_time", "0.05"}, {"history", "1"},
+        {"max_age", "0"},           {"spread", "0"},       {"max_in_flight", "1"},
+        {"max_in_flight", "500"},   {"issue", "at_place"}, {"results", "oldest"},
+        {"frames_per_second", "5"},
+    };
+    for (const OptionValue& option : switches) {
+        SCOPED_TRACE(option.first + "=" + option.second);
+        expect_exact({.algorithm = "statistical", .options = {option}});
+    }
+}
+
+TEST(Exactness, OnEveryHierarchy)
+{
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        for (const AlgorithmInfo& info : algorithms()) {
+            const bool has_own_cells = info.name == "uniform_grid";
+            if (info.exact && !has_own_cells && (info.needs.queries || info.needs.depth_read)) {
+                SCOPED_TRACE(info.name + " on " + std::string{kind.name});
+                expect_exact({.algorithm = info.name, .hierarchy = kind.name});
+                expect_exact({.algorithm = info.name, .moving = true, .hierarchy = kind.name});
+            }
+        }
     }
 }
 
@@ -250,6 +353,7 @@ TEST(Exactness, InEveryClipConvention)
     for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
         for (const DepthOrder order : {DepthOrder::near_is_small, DepthOrder::near_is_large}) {
             expect_exact({.algorithm = "chc_plus_plus", .convention = {range, order}});
+            expect_exact({.algorithm = "two_phase", .convention = {range, order}});
         }
     }
 }
@@ -258,6 +362,8 @@ TEST(Exactness, AtOtherSizes)
 {
     expect_exact({.algorithm = "chc_plus_plus", .size = {320, 180}});
     expect_exact({.algorithm = "stop_and_wait", .size = {67, 211}});
+    expect_exact({.algorithm = "two_phase", .size = {67, 211}});
+    expect_exact({.algorithm = "two_phase", .size = {256, 128}});
 }
 
 TEST(Exactness, WhileEverythingMoves)
@@ -265,6 +371,8 @@ TEST(Exactness, WhileEverythingMoves)
     expect_exact({.algorithm = "stop_and_wait", .moving = true});
     expect_exact({.algorithm = "chc", .moving = true});
     expect_exact({.algorithm = "chc_plus_plus", .moving = true});
+    expect_exact({.algorithm = "two_phase", .moving = true});
+    expect_exact({.algorithm = "statistical", .moving = true});
     expect_exact({.algorithm = "lazy_grid", .moving = true});
 }
 
@@ -272,6 +380,23 @@ TEST(Exactness, WithLateAndLostAnswers)
 {
     expect_exact({.algorithm = "chc", .late_answers = true});
     expect_exact({.algorithm = "chc_plus_plus", .late_answers = true});
+    expect_exact({.algorithm = "statistical", .late_answers = true});
+    expect_exact(
+        {.algorithm = "statistical", .options = {{"results", "oldest"}}, .late_answers = true});
+}
+
+TEST(Exactness, WithTranslucentAndOtherFlaggedItems)
+{
+    for (const AlgorithmInfo& info : algorithms()) {
+        if (info.exact && !info.needs.visible_set) {
+            SCOPED_TRACE(info.name);
+            expect_exact({.algorithm = info.name, .flags = true});
+        }
+    }
+    const std::vector<OptionValue> geometry{{"visible_test", "geometry"}};
+    expect_exact({.algorithm = "chc", .options = geometry, .flags = true});
+    const std::vector<OptionValue> depth_only{{"depth_only_pass", "true"}};
+    expect_exact({.algorithm = "chc_plus_plus", .options = depth_only, .flags = true});
 }
 
 TEST(Exactness, ARebuiltHierarchyStartsAfresh)
@@ -298,6 +423,9 @@ TEST(Exactness, ARebuiltHierarchyStartsAfresh)
 TEST(Exactness, TheOraclesDrawTheSamePicture)
 {
     BoxScene scene(test::random_boxes(500, 33, 24.0f, 7.0f));
+    for (size_t i = 0; i < scene.bounds.size(); i += 29) {
+        scene.bounds[i].flags = ItemFlags::translucent;
+    }
     const Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
     CpuDevice device(scene);
     CpuDevice reference_device(scene);
@@ -323,7 +451,7 @@ TEST(Exactness, TheOraclesDrawTheSamePicture)
             ASSERT_EQ(picture_of(device), expected) << name << ", frame " << frame;
             EXPECT_EQ(report.counters.queries, 0u);
             if (name == "ideal") {
-                EXPECT_EQ(oracle.drawn_items().size(), list.size());
+                EXPECT_GE(oracle.drawn_items().size(), list.size()); // and translucent ones
             }
             drawn += oracle.drawn_items().size();
         }
@@ -338,7 +466,8 @@ TEST(Exactness, TheOraclesDrawTheSamePicture)
 TEST(Exactness, OptDrawsWhatStopAndWaitDraws)
 {
     BoxScene scene(test::random_boxes(500, 34, 24.0f, 7.0f));
-    const Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
+    // Items in inner nodes too.
+    const Hierarchy tree = find_hierarchy_kind("bsp")->build(scene.bounds, 24);
     CpuDevice device(scene);
     auto stop_and_wait = make_culler("stop_and_wait", tree);
     auto opt = make_culler("opt", tree);

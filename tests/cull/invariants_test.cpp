@@ -11,6 +11,7 @@
 #include <occlude/device/counting_device.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/device/validating_device.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <gtest/gtest.h>
 
@@ -23,11 +24,12 @@ namespace {
 struct Case {
     std::string algorithm;
     std::vector<OptionValue> options;
+    std::string hierarchy = "bvh";
 };
 
 std::string name_of(const ::testing::TestParamInfo<Case>& info)
 {
-    std::string name = info.param.algorithm;
+    std::string name = info.param.hierarchy + "_" + info.param.algorithm;
     for (const auto& [option, value] : info.param.options) {
         name += "_" + option + "_" + value;
     }
@@ -41,6 +43,9 @@ const std::vector<Case>& cases()
 {
     static const std::vector<Case> all{
         {"stop_and_wait", {}},
+        {"batch_and_wait", {}},
+        {"batch_and_wait", {{"batch_size", "0"}}},
+        {"batch_and_wait", {{"skip_triangles_below", "150"}, {"occluder_share", "0.3"}}},
         {"chc", {}},
         {"chc", {{"visible_test", "geometry"}}},
         {"chc", {{"assume_visible_frames", "5"}}},
@@ -56,8 +61,65 @@ const std::vector<Case>& cases()
         {"chc_plus_plus", {{"multiqueries", "off"}}},
         {"chc_plus_plus", {{"multiqueries", "analytic"}}},
         {"chc_plus_plus", {{"depth_only_pass", "true"}}},
+        {"uniform_grid", {{"cell_triangles", "500"}}},
+        {"uniform_grid", {{"cell_triangles", "2000"}, {"nested_levels", "0"}}},
+        {"uniform_grid", {{"cell_triangles", "4000"}, {"nested_levels", "2"}}},
+        {"prioritized", {{"finish", "true"}, {"budget_triangles", "5000"}}},
+        {"prioritized",
+         {{"finish", "true"},
+          {"budget_triangles", "1"},
+          {"cell_triangles", "300"},
+          {"batch_size", "7"}}},
+        {"two_phase", {}},
+        {"two_phase", {{"virtual_leaves", "true"}, {"refine", "false"}}},
+        {"two_phase", {{"reread_triangles", "1000"}, {"final_depth", "true"}}},
+        {"statistical", {}},
+        {"statistical", {{"issue", "at_place"}}},
+        {"statistical", {{"results", "oldest"}}},
+        {"statistical", {{"max_in_flight", "1"}}},
+        {"statistical", {{"spread", "0"}, {"history", "1"}}},
+        {"statistical", {{"base_time", "0"}}},
+        {"statistical", {{"base_time", "0.05"}, {"max_age", "0.5"}}},
     };
     return all;
+}
+
+// Each case on each kind of hierarchy.
+std::vector<Case> cases_on_every_hierarchy()
+{
+    std::vector<Case> all;
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        for (const Case& c : cases()) {
+            all.push_back({c.algorithm, c.options, std::string{kind.name}});
+        }
+    }
+    return all;
+}
+
+// True for those that test the cells of a grid of their own instead of nodes.
+bool tests_cells(const Case& c)
+{
+    return c.algorithm == "uniform_grid" || c.algorithm == "prioritized";
+}
+
+std::vector<Case> cases_with_queries()
+{
+    std::vector<Case> cases = cases_on_every_hierarchy();
+    std::erase_if(cases, [](const Case& c) {
+        return !find_algorithm(c.algorithm)->needs.queries || tests_cells(c);
+    });
+    return cases;
+}
+
+// Depth for algorithms that read it: tiles of 8x8 pixels, near and far at random.
+bool tiled_depth(uint64_t frame, const PixelRect& rect, std::span<float> out)
+{
+    for (size_t i = 0; i < out.size(); ++i) {
+        const uint64_t x = static_cast<uint64_t>(rect.x) + i % static_cast<size_t>(rect.width);
+        const uint64_t y = static_cast<uint64_t>(rect.y) + i / static_cast<size_t>(rect.width);
+        out[i] = hash64(frame / 5, x / 8, y / 8) % 4 == 0 ? 1.0f : 0.995f;
+    }
+    return true;
 }
 
 // A camera that walks through the boxes, turns by 90 degrees and jumps.
@@ -91,12 +153,20 @@ protected:
     {
         DeviceScript script{.boxes = test::consistent_visibility(tree_, 9, frame_, share)};
         script.caps.draw_and_query = true;
+        script.caps.read_depth = true;
+        script.depth = [this](const PixelRect& rect, std::span<float> out) {
+            return tiled_depth(frame_, rect, out);
+        };
         return script;
     }
 
-    const Hierarchy tree_ = test::random_bvh(600, 21);
+    const HierarchyKind& kind_ = *find_hierarchy_kind(GetParam().hierarchy);
+    const Hierarchy tree_ = kind_.build(test::random_boxes(600, 21), 300);
     uint64_t frame_ = 0;
 };
+
+/// Those whose hidden nodes a test of the device has found.
+class QueryInvariants : public Invariants {};
 
 TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
 {
@@ -116,7 +186,7 @@ TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
     EXPECT_EQ(violations, std::vector<std::string>{}); // I3 is C10, I5 is C5
 }
 
-TEST_P(Invariants, EveryItemInTheFrustumIsDrawnOrCoveredByATestOfThisFrame)
+TEST_P(QueryInvariants, EveryItemInTheFrustumIsDrawnOrCoveredByATestOfThisFrame)
 {
     ScriptedDevice device(script());
     const auto culler = make();
@@ -209,7 +279,7 @@ TEST_P(Invariants, TheReportAgreesWithACountFromOutside)
     }
 }
 
-TEST_P(Invariants, LostAnswersOnlyMakeMoreVisible)
+TEST_P(QueryInvariants, LostAnswersOnlyMakeMoreVisible)
 {
     DeviceScript lossy = script();
     lossy.latency = [](uint64_t test) { return test % 3 == 0 ? Latency::lost() : Latency{}; };
@@ -236,6 +306,7 @@ TEST_P(Invariants, ADeviceWithoutAnswersInTheSameFrameDrawsEverything)
 {
     DeviceScript slow = script();
     slow.caps.same_frame_results = false;
+    slow.caps.read_depth = false;
     ScriptedDevice device(slow);
     const auto culler = make();
     for (frame_ = 0; frame_ < 4; ++frame_) {
@@ -261,7 +332,7 @@ TEST_P(Invariants, OddHierarchiesAreHarmless)
     for (const std::vector<ItemBounds>& items :
          {odd, std::vector<ItemBounds>{odd[4]}, std::vector<ItemBounds>{odd[5]},
           std::vector<ItemBounds>{}}) {
-        const Hierarchy tree = build_bvh(items, {.leaf_triangles = 300});
+        const Hierarchy tree = kind_.build(items, 300);
         DeviceScript none_visible{.boxes = visible_subjects({})};
         none_visible.caps.draw_and_query = true;
         ScriptedDevice scripted(none_visible);
@@ -313,7 +384,9 @@ TEST_P(Invariants, AResetForgetsEverything)
     EXPECT_EQ(first_frames[0], first_frames[1]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases_on_every_hierarchy()),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Cull, QueryInvariants, ::testing::ValuesIn(cases_with_queries()), name_of);
 
 template <class C>
 void expect_visible_nodes_have_visible_ancestors(C& culler, const Hierarchy& tree)

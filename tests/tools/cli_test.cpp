@@ -1,4 +1,4 @@
-#include "cli.h"
+#include "commands/cli.h"
 
 #include <nlohmann/json.hpp>
 
@@ -10,6 +10,8 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include <unistd.h>
 
 namespace occlude::tools {
 
@@ -38,7 +40,9 @@ Outcome run(std::vector<std::string> arguments)
 
 fs::path write_file(const std::string& name, const std::string& content)
 {
-    const fs::path directory = fs::path{testing::TempDir()} / "occlude_cli_test";
+    // Each test is a process of its own under ctest: a shared file could be read half written.
+    const fs::path directory =
+        fs::path{testing::TempDir()} / ("occlude_cli_test_" + std::to_string(getpid()));
     fs::create_directories(directory);
     std::ofstream{directory / name} << content;
     return directory / name;

@@ -143,6 +143,31 @@ TEST(Loader, KeepsInstancesOfGltfAsOneMesh)
         load_scene(folder.write("two.gltf", two_instances_gltf(R"(,"uri":"tri.bin")"))));
 }
 
+TEST(Loader, TakesOpacityFromMaterials)
+{
+    const TempFolder folder;
+    folder.write("none.mtl", "newmtl glass\nKd 0.2 0.4 0.8\nd 0.4\n");
+    std::string obj = kQuadObj;
+    obj.insert(obj.find("f 1"), "usemtl glass\n");
+    const auto quad = load_scene(folder.write("quad.obj", obj));
+    ASSERT_TRUE(quad) << quad.error().message;
+    EXPECT_FLOAT_EQ(quad->instances[0].opacity, 0.4f);
+    EXPECT_TRUE(
+        has_flag(make_cull_scene(*quad).scene.item_flags(ItemId{0u}), ItemFlags::translucent));
+
+    // glTF blends only in one of its modes.
+    folder.write("tri.bin", triangle_buffer());
+    std::string gltf = two_instances_gltf(R"(,"uri":"tri.bin")");
+    gltf.replace(gltf.find("0.125,1]"), 8, "0.125,0.3]");
+    const auto solid = load_scene(folder.write("solid.gltf", gltf));
+    ASSERT_TRUE(solid) << solid.error().message;
+    EXPECT_EQ(solid->instances[0].opacity, 1.0f);
+    gltf.replace(gltf.find("\"materials\":[{"), 14, "\"materials\":[{\"alphaMode\":\"BLEND\",");
+    const auto glass = load_scene(folder.write("glass.gltf", gltf));
+    ASSERT_TRUE(glass) << glass.error().message;
+    EXPECT_FLOAT_EQ(glass->instances[0].opacity, 0.3f);
+}
+
 TEST(Loader, KeepsInstancesOfGlbAsOneMesh)
 {
     const TempFolder folder;
@@ -245,6 +270,29 @@ void expect_error(const std::string& file, ErrorCode code, const std::string& pa
     EXPECT_NE(model.error().message.find(part), std::string::npos) << model.error().message;
 }
 
+TEST(Loader, KeepsHollowCornersOfPolygonsHollow)
+{
+    // An L of 3 square metres, and the square metre that it leaves out is not covered.
+    const std::string obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n";
+    const TempFolder folder;
+    for (const char* face : {"f 1 2 3 4 5 6\n", "f 4 5 6 1 2 3\n", "f 6 5 4 3 2 1\n"}) {
+        const auto model = load_scene(folder.write("l.obj", obj + face));
+        ASSERT_TRUE(model) << model.error().message;
+        EXPECT_EQ(drawn_triangles(*model), 4u);
+        const Mesh& mesh = model->meshes[0];
+        float area = 0.0f;
+        for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+            const glm::vec3& a = mesh.positions[mesh.indices[i]];
+            const glm::vec3& b = mesh.positions[mesh.indices[i + 1]];
+            const glm::vec3& c = mesh.positions[mesh.indices[i + 2]];
+            area += 0.5f * glm::length(glm::cross(b - a, c - a));
+            const glm::vec3 middle = (a + b + c) / 3.0f;
+            EXPECT_FALSE(middle.x > 1.0f && middle.y > 1.0f);
+        }
+        EXPECT_NEAR(area, 3.0f, 1e-4f);
+    }
+}
+
 TEST(Loader, NamesAFileThatIsMissing)
 {
     expect_error("/nowhere/none.glb", ErrorCode::not_found, "no such file");
@@ -278,6 +326,17 @@ TEST(Loader, ACutOffFileIsAnErrorWhereverItEnds)
     for (size_t size = 1; size < whole.size(); size += 7) {
         const auto model = load_scene(folder.write("cut.glb", whole.substr(0, size)));
         EXPECT_FALSE(model) << "cut to " << size << " bytes";
+    }
+    const std::string ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+                            "property float y\nproperty float z\nelement face 2\n"
+                            "property list uchar int vertex_indices\nend_header\n"
+                            "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2\n";
+    for (size_t size = 1; size < ply.size(); size += 3) {
+        const auto model = load_scene(folder.write("cut.ply", ply.substr(0, size)));
+        if (model) {
+            expect_sound(*model);
+        }
+        EXPECT_FALSE(size < ply.find("0 0 0") && model) << "cut to " << size << " bytes";
     }
     const std::string castle = contents(kCastle);
     ASSERT_GT(castle.size(), 1000000u);

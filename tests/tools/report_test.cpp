@@ -1,8 +1,8 @@
-#include "output_file.h"
-#include "progress.h"
+#include "commands/progress.h"
 #include "report/csv_report.h"
 #include "report/html_report.h"
 #include "report/json_report.h"
+#include "report/output_file.h"
 #include "report/table.h"
 
 #include <nlohmann/json.hpp>

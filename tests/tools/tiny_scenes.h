@@ -1,8 +1,8 @@
 // Scenes of a few quads that tests can reason about by hand.
 #pragma once
 
+#include "measure/stage.h"
 #include "scenes/scene_model.h"
-#include "stage.h"
 
 #include <occlude/cull/cull_frame.h>
 #include <occlude/cull/registry.h>

@@ -91,7 +91,8 @@ CpuItem CpuModelScene::item(ItemId item) const
     return {.positions = mesh.positions,
             .indices = std::span(mesh.indices).subspan(part.first_index, part.index_count),
             .world_from_mesh = world_from_mesh_[drawn.instance],
-            .box = part.box};
+            .box = part.box,
+            .translucent = opacity(item) < 1.0f};
 }
 
 void CpuModelScene::set_transforms(std::span<const glm::mat4> world_from_mesh)
@@ -114,6 +115,11 @@ std::array<glm::vec3, 3> CpuModelScene::triangle(ItemId item, uint32_t triangle)
 glm::vec3 CpuModelScene::color(ItemId item) const
 {
     return model_.instances[items_[item.value].instance].color;
+}
+
+float CpuModelScene::opacity(ItemId item) const
+{
+    return model_.instances[items_[item.value].instance].opacity;
 }
 
 CpuRenderer::CpuRenderer(const SceneModel& model, std::span<const SceneModel::Item> items,
@@ -183,6 +189,15 @@ Capture CpuRenderer::capture()
             last_color = shaded(owner);
         }
         capture.color.pixels[pixel] = last_color;
+    }
+    for (const CpuDevice::TranslucentFragment& fragment : device_.translucent_fragments()) {
+        if (fragment.owner != last) {
+            last = fragment.owner;
+            last_color = shaded(fragment.owner);
+        }
+        uint32_t& pixel = capture.color.pixels[fragment.pixel];
+        pixel = packed(
+            glm::mix(unpacked(pixel), unpacked(last_color), scene_.opacity(fragment.owner.item)));
     }
     if (lines_frame_ == device_.frame_count()) {
         for (const LineFragment& line : lines_) {

@@ -26,6 +26,7 @@ public:
     std::array<glm::vec3, 3> triangle(ItemId item, uint32_t triangle) const;
     /// The base colour of the item's instance.
     glm::vec3 color(ItemId item) const;
+    float opacity(ItemId item) const;
 
 private:
     const SceneModel& model_;
@@ -34,6 +35,8 @@ private:
 };
 
 /// Lambert shading on the geometric normal, both sides lit alike. Deviation from SceneRenderer:
+/// translucent fragments are blended in draw order when the image is captured, rounding to 8 bits
+/// each time;
 /// of equal depths, render_ids and frames show the smaller ItemId, whatever the order of draws.
 class CpuRenderer final : public SceneRenderer {
 public:

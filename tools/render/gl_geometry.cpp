@@ -71,7 +71,8 @@ GlGeometry::GlGeometry(const SceneModel& model, std::span<const SceneModel::Item
     }
     std::vector<Row> rows;
     for (const Instance& instance : model.instances) {
-        rows.push_back({affine_rows(instance.world_from_mesh), instance.color,
+        rows.push_back({affine_rows(instance.world_from_mesh),
+                        glm::vec4{instance.color, instance.opacity},
                         static_cast<uint32_t>(rows.size())});
     }
     make_row_buffer(instance_rows_, std::move(rows));
@@ -135,7 +136,7 @@ void GlGeometry::make_row_buffer(RowBuffer& made, std::vector<Row> rows)
             glVertexAttribPointer(kFirstRowAttribute + row, 4, GL_FLOAT, GL_FALSE, sizeof(Row),
                                   at(offsetof(Row, world_from_mesh) + row * sizeof(glm::vec4)));
         }
-        glVertexAttribPointer(5, 3, GL_FLOAT, GL_FALSE, sizeof(Row), at(offsetof(Row, color)));
+        glVertexAttribPointer(5, 4, GL_FLOAT, GL_FALSE, sizeof(Row), at(offsetof(Row, color)));
         glVertexAttribIPointer(6, 1, GL_UNSIGNED_INT, sizeof(Row), at(offsetof(Row, id)));
         for (GLuint i = 0; i < kRowAttributes; ++i) {
             glEnableVertexAttribArray(kFirstRowAttribute + i);
@@ -153,7 +154,7 @@ void GlGeometry::make_item_rows()
         Row row = instance_rows_.rows[command.row];
         row.id = static_cast<uint32_t>(rows.size());
         if (!item_colors_.empty()) {
-            row.color = glm::vec3{item_colors_[rows.size()]};
+            row.color = glm::vec4{glm::vec3{item_colors_[rows.size()]}, row.color.a};
         }
         rows.push_back(row);
     }
@@ -232,7 +233,7 @@ void GlGeometry::draw_one_by_one(const RowBuffer& rows)
             for (GLuint i = 0; i < 3; ++i) {
                 glVertexAttrib4fv(kFirstRowAttribute + i, &row.world_from_mesh[i].x);
             }
-            glVertexAttrib3fv(5, &row.color.x);
+            glVertexAttrib4fv(5, &row.color.x);
             glVertexAttribI1ui(6, row.id);
         }
         glDrawElementsBaseVertex(

@@ -16,7 +16,7 @@
 namespace occlude::tools {
 
 /// Vertex attributes: 0 position, 1 normal, both in the space of the mesh; per drawn instance 2 to
-/// 4 the rows of world_from_mesh, 5 colour, 6 id.
+/// 4 the rows of world_from_mesh, 5 colour and opacity, 6 id.
 class GlGeometry {
 public:
     /// Uploads everything. `gl_version` (10 * major + minor) decides how items are drawn: one
@@ -41,10 +41,10 @@ private:
     // What the vertex shader reads of an instance or an item.
     struct Row {
         std::array<glm::vec4, 3> world_from_mesh; ///< affine, row by row
-        glm::vec3 color{0.0f};
+        glm::vec4 color{0.0f};                    ///< and opacity
         uint32_t id = 0;
     };
-    static_assert(sizeof(Row) == 64);
+    static_assert(sizeof(Row) == 68);
 
     // Laid out as OpenGL reads it (DrawElementsIndirectCommand).
     struct Command {

@@ -88,6 +88,14 @@ private:
     void draw(std::span<const ItemId> items, DrawPass pass) override;
     void restore_state() override;
 
+    void draw_opaque(std::span<const ItemId> items, DrawPass pass);
+    void draw_translucent(std::span<const ItemId> items, DrawPass pass);
+    void warm_up_with(ItemId item);
+    bool translucent(ItemId item) const
+    {
+        return !translucent_.empty() && translucent_[item.value];
+    }
+
     void set_view(const View& view);
     void use_camera(const gl::GlProgram& program) const;
 
@@ -95,6 +103,7 @@ private:
     int gl_version_ = 0;
     glm::vec3 toward_light_{0.0f, 1.0f, 0.0f};
     size_t item_count_ = 0;
+    std::vector<bool> translucent_; ///< by ItemId; empty if no item is
     GlGeometry geometry_;
     GlTarget target_;
     Programs programs_;
@@ -116,6 +125,14 @@ GlRenderer::GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const Scene
     , line_vertices_(gl::GlVertexArray::make())
     , line_points_(sizeof(glm::vec3), 4096)
 {
+    const auto blended = [&](const SceneModel::Item& item) {
+        return model.instances[item.instance].opacity < 1.0f;
+    };
+    if (std::any_of(items.begin(), items.end(), blended)) {
+        for (const SceneModel::Item& item : items) {
+            translucent_.push_back(blended(item));
+        }
+    }
     glBindVertexArray(line_vertices_.name());
     glBindBuffer(GL_ARRAY_BUFFER, line_points_.name());
     glEnableVertexAttribArray(0);
@@ -234,7 +251,44 @@ void GlRenderer::restore_state()
     glDisable(GL_CULL_FACE);
 }
 
+// Runs of opaque and of translucent items, one after the other.
 void GlRenderer::draw(std::span<const ItemId> items, DrawPass pass)
+{
+    if (translucent_.empty()) {
+        draw_opaque(items, pass);
+        return;
+    }
+    while (!items.empty()) {
+        const bool blended = translucent(items.front());
+        const auto run_end = std::find_if(
+            items.begin(), items.end(), [&](ItemId item) { return translucent(item) != blended; });
+        const auto run = items.first(static_cast<size_t>(run_end - items.begin()));
+        if (blended) {
+            draw_translucent(run, pass);
+        } else {
+            draw_opaque(run, pass);
+        }
+        items = items.subspan(run.size());
+    }
+}
+
+// They write no depth, so that there is nothing to draw but in the shade pass.
+void GlRenderer::draw_translucent(std::span<const ItemId> items, DrawPass pass)
+{
+    if (pass != DrawPass::shade) {
+        return;
+    }
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glDepthMask(GL_FALSE);
+    glDepthFunc(view_.convention().order == DepthOrder::near_is_large ? GL_GREATER : GL_LESS);
+    glEnable(GL_BLEND);
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+    glUseProgram(programs_.shade.name());
+    geometry_.draw(items, rows_);
+    glDisable(GL_BLEND);
+}
+
+void GlRenderer::draw_opaque(std::span<const ItemId> items, DrawPass pass)
 {
     const bool depth_only = pass == DrawPass::depth_only;
     const bool equal = pass == DrawPass::shade_equal;
@@ -255,16 +309,28 @@ void GlRenderer::render(const View& view, std::span<const ItemId> items)
     device_->end_frame();
 }
 
+void GlRenderer::warm_up_with(ItemId item)
+{
+    const std::span<const ItemId> items{&item, 1};
+    for (const DrawPass pass : {DrawPass::shade, DrawPass::depth_only, DrawPass::shade_equal}) {
+        device_->draw(items, pass);
+        device_->wait(device_->draw_and_query(items, pass));
+    }
+}
+
 // Drivers compile a shader per combination of state: every pass, inside and outside of a query.
 void GlRenderer::warm_up()
 {
     context_->make_current();
     device_->begin_frame(View::from_clip(glm::mat4{1.0f}, target_.size()));
     if (item_count_ > 0) {
-        const std::array<ItemId, 1> item{ItemId{0u}};
-        for (const DrawPass pass : {DrawPass::shade, DrawPass::depth_only, DrawPass::shade_equal}) {
-            device_->draw(item, pass);
-            device_->wait(device_->draw_and_query(item, pass));
+        warm_up_with(ItemId{0u});
+    }
+    // The other kind of item, if there is one.
+    for (uint32_t i = 1; i < translucent_.size(); ++i) {
+        if (translucent_[i] != translucent_[0]) {
+            warm_up_with(ItemId{i});
+            break;
         }
     }
     device_->warm_up();
@@ -290,6 +356,12 @@ std::vector<uint32_t> GlRenderer::render_ids(const View& view, std::span<const I
     glClear(GL_DEPTH_BUFFER_BIT);
     glClearBufferuiv(GL_COLOR, 0, &kNoItem);
     use_camera(programs_.ids);
+    std::vector<ItemId> owning;
+    if (!translucent_.empty()) {
+        std::copy_if(items.begin(), items.end(), std::back_inserter(owning),
+                     [&](ItemId item) { return !translucent(item); });
+        items = owning;
+    }
     geometry_.draw(items, GlGeometry::Rows::item);
     std::vector<uint32_t> ids = target_.read_ids();
     target_.bind();

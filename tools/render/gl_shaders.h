@@ -13,12 +13,12 @@ layout(location = 1) in vec3 normal_mesh;
 layout(location = 2) in vec4 world_row_0;
 layout(location = 3) in vec4 world_row_1;
 layout(location = 4) in vec4 world_row_2;
-layout(location = 5) in vec3 base_color;
+layout(location = 5) in vec4 base_color; // alpha: opacity
 layout(location = 6) in uint id;
 uniform mat4 clip_from_world;
 invariant gl_Position;
 out vec3 normal;
-flat out vec3 color;
+flat out vec4 color;
 flat out uint item;
 
 void main()
@@ -56,14 +56,14 @@ void main() { owner = item; }
 // Colours are linear; the square root stands in for the gamma of displays.
 inline const std::string kShadeFragment = R"(#version 330 core
 in vec3 normal;
-flat in vec3 color;
+flat in vec4 color;
 uniform vec3 toward_light;
 layout(location = 0) out vec4 shaded;
 
 void main()
 {
     float facing = abs(dot(normal, toward_light)) * inversesqrt(max(dot(normal, normal), 1e-30));
-    shaded = vec4(sqrt(color * (0.25 + 0.75 * facing)), 1.0);
+    shaded = vec4(sqrt(color.rgb * (0.25 + 0.75 * facing)), color.a);
 }
 )";
 

@@ -1,9 +1,8 @@
 #include "render/image.h"
 
+#include "report/output_file.h"
+
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -23,9 +22,8 @@ namespace {
 
 void append(void* context, void* data, int size)
 {
-    const char* bytes = static_cast<const char*>(data);
-    auto* file = static_cast<std::vector<char>*>(context);
-    file->insert(file->end(), bytes, bytes + size);
+    static_cast<std::string*>(context)->append(static_cast<const char*>(data),
+                                               static_cast<size_t>(size));
 }
 
 // RGB bytes, top row first.
@@ -57,19 +55,14 @@ Result<bool> write_png(const std::filesystem::path& path, const Image& image)
                      "cannot write '" + path.string() + "': the image has no pixels"};
     }
     const std::vector<uint8_t> bytes = rgb_top_down(image);
-    std::vector<char> encoded;
+    std::string encoded;
     stbi_write_png_to_func(append, &encoded, image.size.x, image.size.y, 3, bytes.data(),
                            image.size.x * 3);
-    errno = 0;
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    file.write(encoded.data(), static_cast<std::streamsize>(encoded.size()));
-    file.close();
-    if (encoded.empty() || !file) {
-        return Error{ErrorCode::not_found, "cannot write '" + path.string() + "' (" +
-                                               std::strerror(errno) +
-                                               "); choose a folder that exists and is writable"};
+    auto file = OutputFile::open(path);
+    if (!file) {
+        return file.error();
     }
-    return true;
+    return file->commit(encoded);
 }
 
 uint64_t count_differences(const Image& a, const Image& b)

@@ -50,14 +50,15 @@ public:
     /// Compiles and warms up every shader variant, inside and outside of tests.
     virtual void warm_up() = 0;
 
-    /// Draws `items` in exactly this order without tests, as one frame.
+    /// Draws `items` in exactly this order without tests, as one frame. Translucent ones are blended
+    /// over what was drawn before them.
     virtual void render(const View& view, std::span<const ItemId> items) = 0;
 
     /// The target after the last frame, whoever drew it.
     virtual Capture capture() = 0;
 
     /// The item that owns each pixel when `items` are drawn in this order without tests (the
-    /// nearest one, the first of equals); 0xffffffff where there is none.
+    /// nearest opaque one, the first of equals); 0xffffffff where there is none.
     virtual std::vector<uint32_t> render_ids(const View& view, std::span<const ItemId> items) = 0;
 
     /// Overrides the base colours, indexed by ItemId (alpha unused); empty: the scene's own.

@@ -1,7 +1,7 @@
 // Everything one report is about: one scene, one path, all algorithms.
 #pragma once
 
-#include "run.h"
+#include "measure/run.h"
 
 #include <glm/vec2.hpp>
 

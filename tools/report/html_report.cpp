@@ -1,9 +1,9 @@
 #include "report/html_report.h"
 
+#include "measure/verify.h"
 #include "report/chart_js.h"
 #include "report/json_report.h"
 #include "report/table.h"
-#include "verify.h"
 
 #include <fmt/format.h>
 

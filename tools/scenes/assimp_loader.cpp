@@ -4,10 +4,11 @@
 
 #include <occlude/core/rng.h>
 
+#include <assimp/DefaultIOStream.h>
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/GltfMaterial.h>
 #include <assimp/Importer.hpp>
 #include <assimp/material.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <fmt/format.h>
@@ -18,11 +19,13 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <string_view>
 
 namespace occlude::tools {
 namespace {
@@ -32,6 +35,40 @@ namespace fs = std::filesystem;
 /// Coordinates beyond this are taken for damage: their squares would not fit a float.
 constexpr float kLargestCoordinate = 1e15f;
 constexpr uint32_t kNoMesh = 0xffffffffu;
+
+/// A file that takes itself off the list of open ones.
+class ListedFile : public Assimp::DefaultIOStream {
+public:
+    ListedFile(FILE* file, const std::string& name, std::vector<ListedFile*>& open)
+        : DefaultIOStream(file, name)
+        , open_(open)
+    {
+        open_.push_back(this);
+    }
+    ~ListedFile() override { std::erase(open_, this); }
+
+private:
+    std::vector<ListedFile*>& open_;
+};
+
+/// Assimp's files, closed at last where an importer that fails forgets to.
+class ListedFiles : public Assimp::DefaultIOSystem {
+public:
+    ~ListedFiles() override
+    {
+        while (!open_.empty()) {
+            delete open_.back();
+        }
+    }
+    Assimp::IOStream* Open(const char* name, const char* mode) override
+    {
+        FILE* file = std::fopen(name, mode);
+        return file != nullptr ? new ListedFile(file, name, open_) : nullptr;
+    }
+
+private:
+    std::vector<ListedFile*> open_;
+};
 
 Error bad_file(const std::string& file, const std::string& what)
 {
@@ -84,6 +121,26 @@ std::optional<std::string> broken_glb(const std::string& file, uintmax_t file_si
     return std::nullopt;
 }
 
+/// Assimp 5.2 looks for the end of a PLY header for ever.
+std::optional<std::string> broken_ply(const std::string& file)
+{
+    constexpr size_t kLongestHeader = 1 << 20;
+    std::ifstream in(file, std::ios::binary);
+    std::string head(kLongestHeader, '\0');
+    in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<size_t>(in.gcount()));
+    const bool is_ply = head.starts_with("ply\n") || head.starts_with("ply\r");
+    if (!is_ply) {
+        return std::nullopt;
+    }
+    const size_t end = head.find("\nend_header");
+    const size_t after = end == std::string::npos ? end : end + std::strlen("\nend_header");
+    if (after >= head.size() || (head[after] != '\n' && head[after] != '\r')) {
+        return "has no whole PLY header, the line end_header is missing; export it again";
+    }
+    return std::nullopt;
+}
+
 std::optional<Error> check_file(const std::string& file)
 {
     std::error_code failed;
@@ -107,10 +164,14 @@ std::optional<Error> check_file(const std::string& file)
     if (const auto problem = broken_glb(file, size)) {
         return bad_file(file, *problem);
     }
+    if (const auto problem = broken_ply(file)) {
+        return bad_file(file, *problem);
+    }
     return std::nullopt;
 }
 
-/// Polygons are cut into triangles only after this: cutting trusts the indices.
+/// Everything after this trusts the indices. (Assimp's own steps would, too, or abort: none is
+/// run.)
 std::optional<std::string> broken_indices(const aiScene& scene)
 {
     for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
@@ -172,6 +233,27 @@ glm::vec3 color_of(const aiScene& scene, const aiMesh& mesh)
     return pleasant_color(identity);
 }
 
+/// Below 1 for materials that are blended. glTF says so in a mode; other formats just give a number,
+/// and of those 0 means that nobody thought of it: a material that is not there is not exported.
+float opacity_of(const aiScene& scene, const aiMesh& mesh)
+{
+    if (mesh.mMaterialIndex >= scene.mNumMaterials) {
+        return 1.0f;
+    }
+    const aiMaterial& material = *scene.mMaterials[mesh.mMaterialIndex];
+    float opacity = 1.0f;
+    aiString mode;
+    if (material.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) == aiReturn_SUCCESS) {
+        aiColor4D color;
+        const bool blended = std::string_view{mode.C_Str()} == "BLEND" &&
+                             material.Get(AI_MATKEY_BASE_COLOR, color) == aiReturn_SUCCESS;
+        opacity = blended ? color.a : 1.0f;
+    } else {
+        material.Get(AI_MATKEY_OPACITY, opacity);
+    }
+    return opacity > 0.0f && opacity < 1.0f ? opacity : 1.0f;
+}
+
 /// The triangles of one Assimp mesh; without triangles if it has none that can be drawn.
 Mesh convert_mesh(const aiMesh& source)
 {
@@ -181,18 +263,19 @@ Mesh convert_mesh(const aiMesh& source)
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
         mesh.positions.push_back(to_glm(source.mVertices[i]));
     }
-    for (unsigned f = 0; f < source.mNumFaces; ++f) {
+    std::vector<uint32_t> triangles;
+    for (unsigned f = 0; f < source.mNumFaces; ++f) { // points and lines give none
         const aiFace& face = source.mFaces[f];
-        if (face.mNumIndices != 3) {
-            continue; // points and lines
+        triangulate(mesh.positions, {face.mIndices, face.mNumIndices}, triangles);
+    }
+    for (size_t i = 0; i < triangles.size(); i += 3) {
+        const glm::vec3& a = mesh.positions[triangles[i]];
+        const glm::vec3& b = mesh.positions[triangles[i + 1]];
+        const glm::vec3& c = mesh.positions[triangles[i + 2]];
+        if (usable(a) && usable(b) && usable(c) && a != b && b != c && c != a) {
+            const auto corners = triangles.begin() + static_cast<std::ptrdiff_t>(i);
+            mesh.indices.insert(mesh.indices.end(), corners, corners + 3);
         }
-        const glm::vec3& a = mesh.positions[face.mIndices[0]];
-        const glm::vec3& b = mesh.positions[face.mIndices[1]];
-        const glm::vec3& c = mesh.positions[face.mIndices[2]];
-        if (!usable(a) || !usable(b) || !usable(c) || a == b || b == c || c == a) {
-            continue;
-        }
-        mesh.indices.insert(mesh.indices.end(), face.mIndices, face.mIndices + 3);
     }
     if (mesh.indices.empty()) {
         return mesh;
@@ -210,7 +293,7 @@ Mesh convert_mesh(const aiMesh& source)
         mesh.normals.push_back(has_direction ? normal / length : glm::vec3{0.0f, 1.0f, 0.0f});
     }
     const bool every_corner_alone = mesh.positions.size() >= mesh.indices.size();
-    if (every_corner_alone || mesh.indices.size() < 3 * size_t{source.mNumFaces}) {
+    if (every_corner_alone || mesh.indices.size() < triangles.size()) {
         weld(mesh); // also drops vertices that only dropped triangles used
     }
     return mesh;
@@ -237,7 +320,8 @@ void add_instances(const aiScene& scene, const std::vector<uint32_t>& mesh_of, S
             Instance instance{.name = node.mName.C_Str(),
                               .mesh = mesh_of[source],
                               .world_from_mesh = world_from_node,
-                              .color = color_of(scene, *scene.mMeshes[source])};
+                              .color = color_of(scene, *scene.mMeshes[source]),
+                              .opacity = opacity_of(scene, *scene.mMeshes[source])};
             Aabb box;
             for (const MeshPart& part : model.meshes[instance.mesh].parts) {
                 box = merge(box, transformed(world_from_node, part.box));
@@ -303,6 +387,7 @@ SceneModel convert(const aiScene& scene, const std::string& file, const SceneOpt
 Result<SceneModel> load(const std::string& file, const SceneOptions& options)
 {
     Assimp::Importer importer;
+    importer.SetIOHandler(new ListedFiles); // the importer owns it
     const aiScene* scene = importer.ReadFile(file, 0);
     if (scene == nullptr || scene->mRootNode == nullptr) {
         const std::string reason = importer.GetErrorString();
@@ -312,12 +397,6 @@ Result<SceneModel> load(const std::string& file, const SceneOptions& options)
     }
     if (const auto problem = broken_indices(*scene)) {
         return bad_file(file, *problem + "; the file is broken, export it again");
-    }
-    scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-    if (scene == nullptr) {
-        return bad_file(file, fmt::format("cannot be cut into triangles ({}); triangulate it "
-                                          "before exporting",
-                                          importer.GetErrorString()));
     }
     SceneModel model = convert(*scene, file, options);
     if (model.instances.empty()) {

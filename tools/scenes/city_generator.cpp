@@ -65,6 +65,7 @@ glm::mat4 placed(uint32_t quarter_turns, const glm::vec3& at)
     return m;
 }
 
+/// Numbers are drawn one per statement: the order of arguments is the compiler's choice.
 class City {
 public:
     City(const CityOptions& options, const SceneOptions& scene_options);
@@ -122,7 +123,9 @@ void City::plan_prototypes()
             HousePlan plan;
             plan.width = width;
             plan.depth = kLot;
-            plan.floors = 3 + (i + rng.below(2)) % 5 + (rng.below(8) == 0 ? 2 : 0);
+            const uint32_t more = rng.below(2);
+            plan.floors = 3 + (i + more) % 5;
+            plan.floors += rng.below(8) == 0 ? 2 : 0;
             plan.pitched_roof = rng.below(5) < 2;
             plan.wing = width >= 14.0f && rng.below(2) == 0 ? 5.0f : 0.0f;
             plan.seed = rng.next();
@@ -225,8 +228,8 @@ void City::lay_out_yard(const glm::vec3& center, uint64_t block_seed)
     Rng rng(hash);
     for (uint32_t i = 0; i < 3; ++i) {
         const glm::vec3 at{rng.range(-8.0f, 8.0f), 0.15f, rng.range(-8.0f, 8.0f)};
-        place(furniture(Furniture::tree, rng.next()), placed(rng.below(4), center + at),
-              {0.25f, 0.45f, 0.2f}, "tree");
+        const uint32_t tree = furniture(Furniture::tree, rng.next());
+        place(tree, placed(rng.below(4), center + at), {0.25f, 0.45f, 0.2f}, "tree");
     }
 }
 
@@ -243,8 +246,8 @@ void City::furnish_side(const glm::vec3& center, uint32_t side, uint64_t block_s
     };
     for (float x : {-24.0f, -8.0f, 8.0f, 24.0f}) {
         if (rng.below(5) > 0) {
-            add(Furniture::tree, x, 32.2f, rng.below(4),
-                {0.22f, 0.4f + rng.range(0.0f, 0.12f), 0.16f}, "tree");
+            const glm::vec3 green{0.22f, rng.range(0.4f, 0.52f), 0.16f};
+            add(Furniture::tree, x, 32.2f, rng.below(4), green, "tree");
         }
     }
     for (float x : {-16.0f, 16.0f}) {
@@ -304,7 +307,7 @@ Mesh City::make_ground(size_t budget) const
         }
     }
     flat(glm::vec2{-kKerb}, glm::vec2{kKerb}, kPavement);
-    return builder.take("ground", scene_options_.item_triangles);
+    return builder.take("ground", 0xffffffffu);
 }
 
 /// Spends the triangles: a quarter on furniture as far as it can use them, the rest on houses by
@@ -313,7 +316,7 @@ Result<std::vector<Mesh>> City::make_meshes()
 {
     // What the kinds of furniture need relative to each other.
     constexpr std::array<float, kFurnitureKinds> kNeed{1.0f, 0.9f, 0.35f, 0.25f, 0.2f, 0.15f};
-    const uint32_t item_triangles = std::max(scene_options_.item_triangles, 1u);
+    constexpr uint32_t kWhole = 0xffffffffu; // parts are made once the budget is known to suit
     const auto total = static_cast<double>(options_.triangles);
     const double blocks = static_cast<double>(prototypes_[0].instances);
     double need = 0.0;
@@ -340,13 +343,13 @@ Result<std::vector<Mesh>> City::make_meshes()
         const Prototype& p = prototypes_[i];
         const double share = furniture_unit * double{kNeed[static_cast<uint32_t>(p.furniture)]};
         const size_t budget = std::min(static_cast<size_t>(share), furniture_limit(p.furniture));
-        pay(i, make_furniture(p.furniture, p.seed, budget, item_triangles));
+        pay(i, make_furniture(p.furniture, p.seed, budget, kWhole));
     }
     const double per_area = std::max(left, 0.0) / area;
     for (size_t i = 1; i < first_furniture_; ++i) {
         const HousePlan& plan = prototypes_[i].house;
         const auto budget = static_cast<size_t>(per_area * double{facade_area(plan)});
-        pay(i, make_house(plan, budget, fmt::format("house {}", i), item_triangles));
+        pay(i, make_house(plan, budget, fmt::format("house {}", i), kWhole));
     }
     // What is left over is less than one detail per house, or what no detail was found for.
     const double used = total - left;
@@ -356,6 +359,9 @@ Result<std::vector<Mesh>> City::make_meshes()
                                  "{:.0f} at {}; change triangles= or blocks=",
                                  options_.triangles, options_.blocks, options_.blocks, used,
                                  left < 0.0 ? "least" : "most")};
+    }
+    for (Mesh& mesh : meshes) {
+        partition_mesh(mesh, std::max(scene_options_.item_triangles, 1u));
     }
     return meshes;
 }

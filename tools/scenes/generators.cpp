@@ -1,10 +1,12 @@
 #include "scenes/assimp_loader.h"
 #include "scenes/boxes_generator.h"
 #include "scenes/city_generator.h"
+#include "scenes/exact_split.h"
 #include "scenes/scene_source.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <optional>
@@ -151,6 +153,22 @@ const std::array<Generator, 2>& registry()
     return kGenerators;
 }
 
+// A scene by its generator or from its file, parted by centroids.
+Result<SceneModel> make_scene(const std::string& source, const SceneOptions& options)
+{
+    const std::string_view text = source;
+    const size_t colon = text.find(':');
+    const std::string_view kind = text.substr(0, colon);
+    for (const Generator& generator : registry()) {
+        if (generator.info.name == kind) {
+            const std::string_view parameters =
+                colon == std::string_view::npos ? std::string_view{} : text.substr(colon + 1);
+            return generator.make(text, parameters, options);
+        }
+    }
+    return load_with_assimp(source, options);
+}
+
 } // namespace
 
 std::span<const GeneratorInfo> generators()
@@ -167,17 +185,13 @@ std::span<const GeneratorInfo> generators()
 
 Result<SceneModel> load_scene(const std::string& source, const SceneOptions& options)
 {
-    const std::string_view text = source;
-    const size_t colon = text.find(':');
-    const std::string_view kind = text.substr(0, colon);
-    for (const Generator& generator : registry()) {
-        if (generator.info.name == kind) {
-            const std::string_view parameters =
-                colon == std::string_view::npos ? std::string_view{} : text.substr(colon + 1);
-            return generator.make(text, parameters, options);
+    auto model = make_scene(source, options);
+    if (model && options.split == SceneOptions::Split::exact) {
+        for (Mesh& mesh : model->meshes) {
+            split_mesh_exactly(mesh, std::max(options.item_triangles, 1u), options.cache_folder);
         }
     }
-    return load_with_assimp(source, options);
+    return model;
 }
 
 } // namespace occlude::tools

@@ -65,7 +65,68 @@ glm::vec3 direction_of(const glm::vec3& v)
     return length > 0.0f ? v / length : glm::vec3{0.0f, 1.0f, 0.0f};
 }
 
+/// Twice the area of a polygon, along its normal (Newell).
+glm::vec3 area_vector(std::span<const glm::vec3> positions, std::span<const uint32_t> polygon)
+{
+    glm::vec3 sum{0.0f};
+    const glm::vec3& origin = positions[polygon[0]];
+    for (size_t i = 1; i + 1 < polygon.size(); ++i) {
+        sum += glm::cross(positions[polygon[i]] - origin, positions[polygon[i + 1]] - origin);
+    }
+    return sum;
+}
+
+/// True if the corner `at` of the outline sticks out and no other corner lies in it.
+bool is_ear(std::span<const glm::vec3> positions, std::span<const uint32_t> outline, size_t at,
+            const glm::vec3& normal)
+{
+    const size_t count = outline.size();
+    const uint32_t ids[3] = {outline[(at + count - 1) % count], outline[at],
+                             outline[(at + 1) % count]};
+    const glm::vec3 corners[3] = {positions[ids[0]], positions[ids[1]], positions[ids[2]]};
+    const auto side = [&](size_t edge, const glm::vec3& p) {
+        const glm::vec3& from = corners[edge];
+        return glm::dot(normal, glm::cross(corners[(edge + 1) % 3] - from, p - from));
+    };
+    if (side(0, corners[2]) <= 0.0f) {
+        return false;
+    }
+    for (uint32_t other : outline) {
+        const glm::vec3& p = positions[other];
+        const bool is_corner = p == corners[0] || p == corners[1] || p == corners[2];
+        if (!is_corner && side(0, p) >= 0.0f && side(1, p) >= 0.0f && side(2, p) >= 0.0f) {
+            return false;
+        }
+    }
+    return true;
+}
+
 } // namespace
+
+void triangulate(std::span<const glm::vec3> positions, std::span<const uint32_t> polygon,
+                 std::vector<uint32_t>& out)
+{
+    constexpr size_t kMostCorners = 4096; // beyond it a fan, to bound the time for broken files
+    if (polygon.size() < 3) {
+        return;
+    }
+    const glm::vec3 normal = area_vector(positions, polygon);
+    std::vector<uint32_t> outline(polygon.begin(), polygon.end());
+    while (outline.size() > 3) {
+        size_t ear = 0;
+        while (ear < outline.size() && !is_ear(positions, outline, ear, normal)) {
+            ++ear;
+        }
+        if (ear == outline.size() || outline.size() > kMostCorners) {
+            ear = 1; // crossing or flat: cut anything
+        }
+        const size_t before = (ear + outline.size() - 1) % outline.size();
+        const size_t after = (ear + 1) % outline.size();
+        out.insert(out.end(), {outline[before], outline[ear], outline[after]});
+        outline.erase(outline.begin() + static_cast<std::ptrdiff_t>(ear));
+    }
+    out.insert(out.end(), outline.begin(), outline.end());
+}
 
 void partition_mesh(Mesh& mesh, uint32_t item_triangles)
 {

@@ -6,6 +6,7 @@
 #include <glm/vec2.hpp>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace occlude::tools {
@@ -21,6 +22,12 @@ void make_normals(Mesh& mesh);
 
 /// Joins vertices of equal position and normal. O(vertices).
 void weld(Mesh& mesh);
+
+/// Cuts a polygon into triangles, appended to `out` in the polygon's winding: ears of the outline
+/// seen along its normal, so that hollow corners stay hollow. A polygon that crosses itself gives
+/// some triangles over its corners. Polygons of less than 3 corners give none. O(corners^2).
+void triangulate(std::span<const glm::vec3> positions, std::span<const uint32_t> polygon,
+                 std::vector<uint32_t>& out);
 
 /// Collects flat-shaded quads and boxes.
 class MeshBuilder {

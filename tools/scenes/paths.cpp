@@ -115,7 +115,7 @@ const SceneModel::NamedPath* find_named(const SceneModel& model, std::string_vie
 std::vector<Keyframe> walk_keys(const SceneModel& model, size_t frame_count)
 {
     if (const SceneModel::NamedPath* street = find_named(model, "street")) {
-        return street->keys;
+        return paced(street->keys, model.unit, frame_count);
     }
     return paced(find_walk(model), model.unit, frame_count);
 }
@@ -149,7 +149,7 @@ std::vector<Keyframe> keys_by_name(const std::string& name, const SceneModel& mo
                                    size_t frame_count)
 {
     if (const SceneModel::NamedPath* path = find_named(model, name)) {
-        return path->keys;
+        return name == "street" ? walk_keys(model, frame_count) : path->keys;
     }
     if (name == "auto") {
         return auto_keys(model, frame_count);

@@ -30,10 +30,12 @@ CullScene make_cull_scene(const SceneModel& model)
     for (uint32_t i = 0; i < model.instances.size(); ++i) {
         const Instance& instance = model.instances[i];
         const Mesh& mesh = model.meshes[instance.mesh];
+        const ItemFlags flags = instance.opacity < 1.0f ? ItemFlags::translucent : ItemFlags::none;
         items.clear();
         for (uint32_t part = 0; part < mesh.parts.size(); ++part) {
-            items.push_back(
-                {.local_box = mesh.parts[part].box, .triangles = mesh.parts[part].index_count / 3});
+            items.push_back({.local_box = mesh.parts[part].box,
+                             .triangles = mesh.parts[part].index_count / 3,
+                             .flags = flags});
             // A fresh scene gives out item ids in the order of the items added.
             result.items.push_back({i, part});
         }

@@ -39,6 +39,7 @@ struct Instance {
     uint32_t mesh = 0;
     glm::mat4 world_from_mesh{1.0f};
     glm::vec3 color{0.7f}; ///< linear base colour
+    float opacity = 1.0f;  ///< below 1: translucent, blended over what is behind
 };
 
 struct SceneModel {

@@ -8,6 +8,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +27,12 @@ std::span<const GeneratorInfo> generators();
 struct SceneOptions {
     /// Meshes with more triangles are partitioned in space into items of at most this many.
     uint32_t item_triangles = 2048;
+    /// Where they are parted: between whole triangles by their centroids, or by planes that cut
+    /// triangles (scene/split.h).
+    enum class Split { centroid, exact };
+    Split split = Split::centroid;
+    /// Keeps meshes that were cut; see exact_split.h. Empty: they are cut every time.
+    std::filesystem::path cache_folder = {};
 };
 
 /// Loads or generates. Errors name the file or the parameter, and what would work.

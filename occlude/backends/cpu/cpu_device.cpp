@@ -82,6 +82,7 @@ void CpuDevice::begin_frame(const View& view)
         current_stamp_ = 0;
     }
     std::fill(depth_.begin(), depth_.end(), kClearDepth);
+    translucent_.clear();
 }
 
 const cpu::Vertex* CpuDevice::transformed_vertex(const CpuItem& item,
@@ -155,6 +156,16 @@ bool CpuDevice::write(size_t pixel, double depth, ItemId item, uint32_t triangle
     return true;
 }
 
+// Lists one translucent fragment; true if it is seen.
+bool CpuDevice::blend(size_t pixel, double depth, ItemId item, uint32_t triangle)
+{
+    const bool seen = static_cast<float>(depth) < depth_[pixel];
+    if (seen) {
+        translucent_.push_back({pixel, {item, triangle}});
+    }
+    return seen;
+}
+
 // True if a fragment of an item is what the pixel shows.
 bool CpuDevice::owns(size_t pixel, double depth, ItemId item) const
 {
@@ -169,9 +180,16 @@ void CpuDevice::draw(std::span<const ItemId> items, DrawPass pass)
         return;
     }
     for (const ItemId item : items) {
-        rasterize_item(scene_.item(item), [&](uint32_t triangle, size_t pixel, double depth) {
-            write(pixel, depth, item, triangle);
-        });
+        const CpuItem drawn = scene_.item(item);
+        if (!drawn.translucent) {
+            rasterize_item(drawn, [&](uint32_t triangle, size_t pixel, double depth) {
+                write(pixel, depth, item, triangle);
+            });
+        } else if (pass == DrawPass::shade) {
+            rasterize_item(drawn, [&](uint32_t triangle, size_t pixel, double depth) {
+                blend(pixel, depth, item, triangle);
+            });
+        }
     }
 }
 
@@ -184,9 +202,15 @@ Ticket CpuDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
     next_stamp();
     uint64_t samples = 0;
     for (const ItemId item : items) {
-        rasterize_item(scene_.item(item), [&](uint32_t triangle, size_t pixel, double depth) {
-            const bool passed = pass == DrawPass::shade_equal ? owns(pixel, depth, item)
-                                                              : write(pixel, depth, item, triangle);
+        const CpuItem drawn = scene_.item(item);
+        if (drawn.translucent && pass != DrawPass::shade) {
+            continue;
+        }
+        rasterize_item(drawn, [&](uint32_t triangle, size_t pixel, double depth) {
+            const bool passed = drawn.translucent ? blend(pixel, depth, item, triangle)
+                                : pass == DrawPass::shade_equal
+                                    ? owns(pixel, depth, item)
+                                    : write(pixel, depth, item, triangle);
             if (passed && stamp(pixel)) {
                 ++samples;
             }

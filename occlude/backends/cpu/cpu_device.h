@@ -6,6 +6,8 @@
 // Draws     Compare LESS against the target cleared to 1; both sides of triangles are drawn. Equal
 //           depths go to the smaller item id, then to the smaller triangle: the image is the
 //           minimum of (depth, item, triangle) over all fragments, whatever the order of draws.
+//           Fragments of translucent items compare LESS too, and are listed in draw order instead
+//           of written: draw them after all opaque ones, and whoever shades the image blends them.
 // Tests     Compare LESS OR EQUAL, with box faces moved toward the viewer by kBoxBias, so that a
 //           wall in the face of its own box is never hidden by itself (rule R3). Each sample counts
 //           once per test, however many boxes and faces cover it (C6): the answer is the number of
@@ -48,6 +50,14 @@ public:
         bool operator==(const Owner&) const = default;
     };
 
+    /// A fragment of a translucent item that was nearer than everything opaque drawn before it.
+    struct TranslucentFragment {
+        size_t pixel = 0;
+        Owner owner;
+
+        bool operator==(const TranslucentFragment&) const = default;
+    };
+
     /// A device that draws the items of `scene`, which must outlive it.
     explicit CpuDevice(const CpuScene& scene, const CpuDeviceOptions& options = {});
 
@@ -57,8 +67,9 @@ public:
     /// cpu::kMaxSide, gives a frame that draws nothing and whose tests are lost.
     void begin_frame(const View& view) override;
 
-    /// `shade` and `depth_only` are the same here; `shade_equal` does nothing, because which
-    /// triangle a pixel shows is known already.
+    /// `shade` and `depth_only` are the same here for opaque items; `shade_equal` does nothing,
+    /// because which triangle a pixel shows is known already. Translucent items are drawn by
+    /// `shade` alone.
     void draw(std::span<const ItemId> items, DrawPass pass) override;
 
     /// Answers at once, whatever the method. A box that is not bounded or touches the near
@@ -80,6 +91,8 @@ public:
     glm::ivec2 size_px() const { return size_px_; }
     std::span<const float> depth() const { return depth_; }
     Owner owner(size_t pixel) const;
+    /// In the order in which they were drawn.
+    std::span<const TranslucentFragment> translucent_fragments() const { return translucent_; }
 
     /// Counts the calls of begin_frame.
     uint64_t frame_count() const { return frame_count_; }
@@ -97,6 +110,7 @@ private:
     const cpu::Vertex* transformed_vertex(const CpuItem& item, const glm::dmat4& clip_from_mesh,
                                           uint32_t index);
     bool outside_of_view(const Aabb& box, const glm::dmat4& clip_from_mesh) const;
+    bool blend(size_t pixel, double depth, ItemId item, uint32_t triangle);
     bool write(size_t pixel, double depth, ItemId item, uint32_t triangle);
     bool owns(size_t pixel, double depth, ItemId item) const;
     Answer test(std::span<const QueryBox> boxes);
@@ -117,6 +131,7 @@ private:
     std::vector<float> depth_;
     std::vector<uint32_t> items_;     ///< unspecified where depth is 1
     std::vector<uint32_t> triangles_; ///< likewise
+    std::vector<TranslucentFragment> translucent_;
 
     std::vector<uint32_t> stamps_; ///< the last test that counted the pixel
     uint32_t current_stamp_ = 0;

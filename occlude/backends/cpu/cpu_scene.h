@@ -22,6 +22,8 @@ struct CpuItem {
     /// Bounds of the indexed positions, in the space of the mesh, for rejecting the item as a
     /// whole. The default rejects nothing.
     Aabb box = Aabb::everything();
+    /// Hides nothing, in itself neither: its fragments are listed, not written.
+    bool translucent = false;
 };
 
 class CpuScene {

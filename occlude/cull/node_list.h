@@ -1,0 +1,58 @@
+// An ordered list of the nodes that are still to be decided: nodes leave their place to their
+// children. Doubly linked over one vector, so that positions stay good while others come and go.
+#pragma once
+
+#include <occlude/core/frustum.h>
+#include <occlude/core/ids.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace occlude {
+
+class NodeList {
+public:
+    using Position = uint32_t;
+
+    struct Entry {
+        NodeId node;
+        PlaneMask mask = Frustum::kAllPlanes;
+        bool pending = false; ///< its test is under way: it only keeps the place for its children
+        Position previous = 0;
+        Position next = 0;
+    };
+
+    /// Empties the list; keeps its memory.
+    void clear() { entries_.assign(1, Entry{}); } // the end is an entry, so that it has a place too
+
+    bool empty() const { return begin() == end(); }
+    Position begin() const { return entries_.front().next; }
+    static constexpr Position end() { return 0; }
+    Position next(Position at) const { return entries_[at].next; }
+    Entry& operator[](Position at) { return entries_[at]; }
+
+    /// Adds a node before `at` and returns its position.
+    Position insert_before(Position at, NodeId node, PlaneMask mask)
+    {
+        const auto here = static_cast<Position>(entries_.size());
+        const Position previous = entries_[at].previous;
+        entries_.push_back({node, mask, false, previous, at});
+        entries_[previous].next = here;
+        entries_[at].previous = here;
+        return here;
+    }
+
+    /// Takes an entry out and returns the position after it. The memory is free again at clear().
+    Position erase(Position at)
+    {
+        const auto [previous, next] = std::pair{entries_[at].previous, entries_[at].next};
+        entries_[previous].next = next;
+        entries_[next].previous = previous;
+        return next;
+    }
+
+private:
+    std::vector<Entry> entries_ = std::vector<Entry>(1);
+};
+
+} // namespace occlude

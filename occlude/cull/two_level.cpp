@@ -1,0 +1,393 @@
+#include <occlude/cull/two_level.h>
+
+#include <occlude/core/assert.h>
+#include <occlude/core/rng.h>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace occlude {
+
+namespace {
+
+// The margin of an inflated box is found by subtraction, which rounds; so it is taken larger.
+constexpr float kMarginSlack = 1.25f;
+
+bool overlap(const PixelRect& a, const PixelRect& b)
+{
+    return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height &&
+           b.y < a.y + a.height;
+}
+
+// The most that the inverse of a map stretches a length; 0 if it has no usable inverse.
+float inverse_stretch(const glm::mat4& map)
+{
+    const glm::dmat3 linear{map};
+    const double determinant = glm::determinant(linear);
+    if (!std::isfinite(determinant) || determinant == 0.0) {
+        return 0.0f;
+    }
+    const glm::dmat3 inverse = glm::inverse(linear);
+    const auto stretch = static_cast<float>(
+        std::sqrt(glm::dot(inverse[0], inverse[0]) + // Frobenius norm
+                  glm::dot(inverse[1], inverse[1]) + glm::dot(inverse[2], inverse[2])) *
+        (1.0 + 1e-6));
+    return std::isfinite(stretch) ? stretch : 0.0f;
+}
+
+} // namespace
+
+TwoLevel::TwoLevel(const Hierarchy& hierarchy, TwoLevelCullOptions options)
+    : Culler(hierarchy)
+    , options_(options)
+{
+    options_.max_pending = std::max(options_.max_pending, 1u);
+    options_.history_length = std::clamp(options_.history_length, 1u, 32u);
+}
+
+Guarantee TwoLevel::guarantee() const
+{
+    return options_.threshold == 0 ? Guarantee::exact()
+                                   : Guarantee::approximate(options_.threshold);
+}
+
+void TwoLevel::reset_state()
+{
+    states_.clear();
+    object_views_.clear();
+    lineage_ = hierarchy().two_level().lineage;
+}
+
+// Relinked objects change node ids, but not keys.
+void TwoLevel::structure_changed()
+{
+    const uint64_t lineage = hierarchy().two_level().lineage;
+    if (lineage == 0 || lineage != lineage_) {
+        reset();
+    }
+}
+
+uint32_t TwoLevel::key_of(NodeId node) const
+{
+    const TwoLevelNodes& info = hierarchy().two_level();
+    return info.empty() ? node.value : info.key[node.value];
+}
+
+const TwoLevel::ObjectView& TwoLevel::object_view(CullFrame& frame, uint32_t object)
+{
+    ObjectView& known = object_views_[object];
+    if (known.stamp != frame.stamp()) {
+        const glm::mat4& world_from_object =
+            hierarchy().two_level().frames[object].world_from_object;
+        const View& view = frame.view();
+        known.stamp = frame.stamp();
+        known.shrink = inverse_stretch(world_from_object);
+        known.view = View::from_clip(
+            glm::mat4{glm::dmat4{view.clip_from_world()} * glm::dmat4{world_from_object}},
+            view.size_px(), view.convention());
+    }
+    return known;
+}
+
+// --- the list of active nodes
+// ------------------------------------------------------------------------
+
+// A new entry behind `after`; at the head for kEnd.
+uint32_t TwoLevel::insert_after(uint32_t after, NodeId node, PlaneMask mask)
+{
+    uint32_t at = free_;
+    if (at == kEnd) {
+        at = static_cast<uint32_t>(active_.size());
+        active_.emplace_back();
+    } else {
+        free_ = active_[at].next;
+    }
+    Active& entry = active_[at];
+    entry.node = node;
+    entry.mask = mask;
+    entry.stage = Stage::fresh;
+    entry.previous = after;
+    entry.next = after == kEnd ? head_ : active_[after].next;
+    (after == kEnd ? head_ : active_[after].next) = at;
+    if (entry.next != kEnd) {
+        active_[entry.next].previous = at;
+    }
+    return at;
+}
+
+void TwoLevel::erase(uint32_t at)
+{
+    Active& entry = active_[at];
+    (entry.previous == kEnd ? head_ : active_[entry.previous].next) = entry.next;
+    if (entry.next != kEnd) {
+        active_[entry.next].previous = entry.previous;
+    }
+    entry.next = free_;
+    free_ = at;
+}
+
+// The child nearest to the camera, then the node's objects by the distance of their middles, then
+// the other children, near to far.
+void TwoLevel::insert_children(CullFrame& frame, uint32_t after, NodeId node, PlaneMask mask)
+{
+    const TwoLevelNodes& info = hierarchy().two_level();
+    const Node& n = hierarchy().node(node);
+    const auto is_object = [&](uint32_t id) {
+        return !info.empty() && info.object[id] != TwoLevelNodes::kScene;
+    };
+    const bool below_scene = !is_object(node.value);
+    children_.clear();
+    for (uint32_t i = 0; i < n.child_count; ++i) {
+        const uint32_t id = n.first_child.value + i;
+        const Aabb& box = hierarchy().node(NodeId{id}).box;
+        const bool object = below_scene && is_object(id);
+        const Aabb at = object && box.is_bounded() ? Aabb{box.center(), box.center()} : box;
+        children_.push_back({object, frame.view().distance_key(at), NodeId{id}});
+    }
+    std::sort(children_.begin(), children_.end(), [](const Child& a, const Child& b) {
+        if (a.is_object != b.is_object) {
+            return b.is_object; // halves first
+        }
+        return a.distance != b.distance ? a.distance < b.distance : a.node < b.node;
+    });
+    // From the near half to behind the objects: all other halves.
+    const auto objects = std::partition_point(children_.begin(), children_.end(),
+                                              [](const Child& c) { return !c.is_object; });
+    if (objects != children_.begin() && objects != children_.end()) {
+        std::rotate(children_.begin() + 1, objects, children_.end());
+    }
+    for (const Child& child : children_) {
+        after = insert_after(after, child.node, mask);
+    }
+}
+
+// --- visibility
+// --------------------------------------------------------------------------------------
+
+// How many frames a node that was just found visible is drawn without a test.
+uint32_t TwoLevel::postponement(const NodeState& state, uint32_t key, uint32_t stamp) const
+{
+    const uint32_t remembered = state.history << (32u - options_.history_length);
+    const auto visible = static_cast<uint32_t>(std::popcount(remembered));
+    const auto frames = static_cast<uint32_t>(std::min<uint64_t>(
+        uint64_t{options_.frames_per_visible} * visible, options_.max_postponed));
+    const uint64_t random = hash64(options_.seed, key, stamp);
+    return options_.spread ? frames - uniform_below(random, frames / 2 + 1) : frames;
+}
+
+// The box to test, and the space that it is in: the object's own where that is tighter.
+void TwoLevel::prepare_query(CullFrame& frame, Active& active)
+{
+    const TwoLevelNodes& info = hierarchy().two_level();
+    const Aabb& world_box = hierarchy().node(active.node).box;
+    const bool wants_rectangle = options_.disjoint;
+    active.world_from_box = nullptr;
+    if (!info.empty()) {
+        const uint32_t object = info.object[active.node.value];
+        const Aabb& box = info.box[active.node.value];
+        const bool oriented = object != TwoLevelNodes::kScene && info.frames[object].oriented;
+        const ObjectView* space = oriented ? &object_view(frame, object) : nullptr;
+        if (space != nullptr && space->shrink > 0.0f && box.is_bounded()) {
+            // As much as the box around it would grow in the world (R2), in the object's lengths.
+            active.world_from_box = &info.frames[object].world_from_object;
+            const Aabb around = transformed(*active.world_from_box, box);
+            const Aabb grown = frame.view().inflated_for_test(around);
+            const glm::vec3 margins = glm::max(grown.max - around.max, around.min - grown.min);
+            const float margin = std::max({margins.x, margins.y, margins.z});
+            active.box = inflated(box, kMarginSlack * margin * space->shrink);
+            if (wants_rectangle) {
+                active.screen = project(space->view, box);
+            }
+            return;
+        }
+        const Aabb& tested = oriented ? world_box : box;
+        active.box = frame.view().inflated_for_test(tested);
+        if (wants_rectangle) {
+            active.screen = project(frame.view(), tested);
+        }
+        return;
+    }
+    active.box = frame.test_box(active.node);
+    if (wants_rectangle) {
+        active.screen = project(frame.view(), world_box);
+    }
+}
+
+// Algorithm 3.
+TwoLevel::FirstResult TwoLevel::first_visibility_test(CullFrame& frame, Active& active,
+                                                      Decision& if_visible)
+{
+    if (!frame.visit(active.node, active.mask)) {
+        return FirstResult::invisible; // last_visited stays: on re-entry the node is unknown (R8)
+    }
+    NodeState& state = state_of(active.node);
+    const bool known = state.last_visited + 1 == frame.stamp();
+    state.last_visited = frame.stamp();
+    if (!known) {
+        state.history = 0;
+        state.visible = false;
+    }
+    if (state.visible && frame.stamp() < state.next_test) {
+        if_visible = Decision::drawn;
+        return FirstResult::visible;
+    }
+    prepare_query(frame, active);
+    const Aabb box_world = active.world_from_box != nullptr
+                               ? transformed(*active.world_from_box, active.box)
+                               : active.box;
+    if (frame.view().touches_near(box_world)) {
+        if_visible = Decision::drawn_near;
+        state.visible = true;
+        state.next_test = frame.stamp() + 1;
+        return FirstResult::visible;
+    }
+    return FirstResult::needs_query;
+}
+
+bool TwoLevel::overlaps_pending(const Active& active) const
+{
+    return options_.disjoint && std::any_of(pending_.begin(), pending_.end(), [&](uint32_t other) {
+               return overlap(active.screen.rect, active_[other].screen.rect);
+           });
+}
+
+// --- Algorithm 4
+// -------------------------------------------------------------------------------------
+
+void TwoLevel::process_visible_node(CullFrame& frame, uint32_t at, Decision decision)
+{
+    const NodeId node = active_[at].node;
+    const PlaneMask mask = active_[at].mask;
+    if (hierarchy().is_leaf(node)) {
+        frame.draw_leaf(node, mask, decision);
+    } else {
+        frame.draw_own(node, mask, decision);
+        insert_children(frame, at, node, mask);
+    }
+    erase(at);
+}
+
+void TwoLevel::handle_result(CullFrame& frame, uint32_t at, const Answer& answer)
+{
+    const NodeId node = active_[at].node;
+    NodeState& state = state_of(node);
+    const bool visible = is_visible(answer, options_.threshold);
+    state.visible = visible;
+    state.history = (state.history << 1) | (visible ? 1u : 0u);
+    if (visible) {
+        const uint32_t postponed = postponement(state, key_of(node), frame.stamp());
+        state.next_test = frame.stamp() + 1 + postponed;
+        process_visible_node(frame, at, Decision::drawn_revealed);
+    } else {
+        frame.decide(node, Decision::hidden);
+        erase(at);
+    }
+}
+
+// --- Algorithm 2
+// -------------------------------------------------------------------------------------
+
+// Handles the queries that are answered; false if none was.
+bool TwoLevel::poll_pending(CullFrame& frame)
+{
+    const size_t before = pending_.size();
+    size_t left = 0;
+    for (size_t i = 0; i < before; ++i) {
+        const uint32_t at = pending_[i];
+        const Answer answer = frame.poll(active_[at].ticket);
+        if (answer.state == AnswerState::pending) {
+            pending_[left++] = at;
+        } else {
+            handle_result(frame, at, answer);
+        }
+    }
+    pending_.resize(left);
+    return left < before;
+}
+
+// First loop: the queries that are answered. All that could be done without them is done, so if
+// none is, the first is waited for; mostly that brings the answers of its whole batch.
+void TwoLevel::finish_queries(CullFrame& frame)
+{
+    if (poll_pending(frame) || pending_.empty()) {
+        return;
+    }
+    const uint32_t at = pending_.front();
+    pending_.erase(pending_.begin());
+    handle_result(frame, at, frame.wait(active_[at].ticket));
+    poll_pending(frame);
+}
+
+// Second loop: as many nodes as possible at once. False once the list is empty.
+bool TwoLevel::process_active(CullFrame& frame)
+{
+    const size_t most = std::min(options_.max_pending, frame.caps().max_outstanding);
+    const auto next_of = [&](uint32_t at) { return at == kEnd ? head_ : active_[at].next; };
+    uint32_t previous = kEnd; // of the node in hand; children take its place
+    while (next_of(previous) != kEnd) {
+        const uint32_t at = next_of(previous);
+        if (active_[at].stage == Stage::fresh) {
+            Decision decision = Decision::drawn;
+            const FirstResult first = first_visibility_test(frame, active_[at], decision);
+            if (first == FirstResult::needs_query) {
+                active_[at].stage = Stage::needs_query;
+            } else {
+                if (first == FirstResult::visible) {
+                    process_visible_node(frame, at, decision);
+                } else {
+                    erase(at);
+                }
+                continue;
+            }
+        }
+        if (active_[at].stage == Stage::needs_query && !overlaps_pending(active_[at])) {
+            if (pending_.size() >= std::max<size_t>(most, 1)) {
+                break; // maximum queries reached
+            }
+            active_[at].stage = Stage::pending;
+            if (active_[at].world_from_box != nullptr) {
+                batch_.add_box(active_[at].box, *active_[at].world_from_box, active_[at].node);
+            } else {
+                batch_.add_box(active_[at].box, active_[at].node);
+            }
+            batch_.end_test();
+            collected_.push_back(at);
+            pending_.push_back(at);
+        }
+        previous = at;
+    }
+    submit(frame);
+    return head_ != kEnd;
+}
+
+void TwoLevel::submit(CullFrame& frame)
+{
+    if (batch_.empty()) {
+        return;
+    }
+    frame.flush_draws();
+    frame.query(batch_, tickets_);
+    for (size_t i = 0; i < collected_.size(); ++i) {
+        active_[collected_[i]].ticket = tickets_[i];
+    }
+    batch_.clear();
+    collected_.clear();
+}
+
+void TwoLevel::cull_frame(CullFrame& frame)
+{
+    const TwoLevelNodes& info = hierarchy().two_level();
+    states_.resize(info.empty() ? hierarchy().nodes().size() : info.key_count);
+    object_views_.resize(info.frames.size());
+    insert_after(kEnd, hierarchy().root(), Frustum::kAllPlanes);
+    while (process_active(frame)) {
+        finish_queries(frame);
+    }
+}
+
+} // namespace occlude

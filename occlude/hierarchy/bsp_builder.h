@@ -1,0 +1,41 @@
+// Axis-aligned BSP tree with items in inner nodes.
+//
+// Implements  the tree of V. Kovalcik, J. Sochor, "Occlusion Culling with Statistically Optimized
+//             Occlusion Queries", WSCG 2005, section 3, and of V. Kovalcik, P. Tobola, "Fast
+//             Rendering of Complex Dynamic Scenes" (the upper of its two levels): each item is in
+//             exactly one node, below all planes that it does not straddle.
+// Deviations  The papers do not say where the planes go; see BspOptions::Split. Node boxes are the
+//             boxes of the items, not the cells between the planes: tighter, and what is tested.
+// Guarantees  Deterministic: the same boxes give the same tree on every compiler. An item never
+//             straddles a plane above it, so siblings never overlap (until a refit).
+// Cost        O(n * depth), one thread.
+#pragma once
+
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <span>
+
+namespace occlude {
+
+struct BspOptions {
+    /// Where the plane of a node goes.
+    enum class Split : uint8_t {
+        cost,   ///< the least area * triangles of both sides and of what straddles the plane
+        middle, ///< the middle of the longest axis
+        median, ///< the median of the upper faces along the longest axis
+    };
+    Split split = Split::cost;
+    /// A node of at most this many items is not split further.
+    uint32_t max_leaf_items = 1;
+    /// A node this far below the root is not split further; at most 64.
+    uint32_t max_depth = 48;
+    /// Nodes with at most this many triangles become virtual leaves. 0: no virtual leaves.
+    uint32_t leaf_triangles = 1024;
+};
+
+/// A BSP tree over items 0 .. items.size()-1. A node has up to two children, that of the low side
+/// first. Where no plane parts anything, a leaf keeps all its items. Empty and unbounded boxes are
+/// allowed: they are items of the root, above all planes.
+Hierarchy build_bsp(std::span<const ItemBounds> items, const BspOptions& options = {});
+
+} // namespace occlude

@@ -1,0 +1,34 @@
+// Uniform grid, nested where its cells hold too much, as a flat tree.
+//
+// Implements  the grids of K. Hillesland, B. Salomon, A. Lastra, D. Manocha, "Fast and Simple
+//             Occlusion Culling using Hardware-Based Depth Queries", 2002, as a hierarchy: the root
+//             has one child for each occupied cell, and a cell that holds too many items is a grid
+//             again.
+// Deviations  An item is in the cell of its centre and in no other; node boxes are those of the
+//             items, not the cells. (The algorithm `uniform_grid` has cells that share items.)
+// Guarantees  Deterministic: the same boxes give the same tree on every compiler.
+// Cost        O(n log n), one thread. Nodes have many children: each step down tests all of them.
+#pragma once
+
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <span>
+
+namespace occlude {
+
+struct GridOptions {
+    /// Cells of a grid: one for so many of its items, on average over empty and occupied ones.
+    uint32_t items_per_cell = 8;
+    /// A cell of at most this many items is not a grid again.
+    uint32_t max_leaf_items = 1;
+    /// Grids in grids at most so deep; at most 32. Items that are still together share a leaf.
+    uint32_t max_depth = 16;
+    /// Nodes with at most this many triangles become virtual leaves. 0: no virtual leaves.
+    uint32_t leaf_triangles = 1024;
+};
+
+/// A grid over items 0 .. items.size()-1. Empty and unbounded boxes are allowed: they are items of
+/// the root, outside of all cells.
+Hierarchy build_grid(std::span<const ItemBounds> items, const GridOptions& options = {});
+
+} // namespace occlude

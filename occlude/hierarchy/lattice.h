@@ -1,0 +1,39 @@
+// A lattice of nearly cubic cells over a box: which cell a point is in.
+#pragma once
+
+#include <occlude/core/aabb.h>
+
+#include <cstdint>
+
+namespace occlude {
+
+/// Cells of one size that fill the box, nearly cubes; an axis along which the box is flat has one.
+struct Lattice {
+    glm::dvec3 low{0.0};
+    glm::dvec3 cell_size{0.0};
+    glm::uvec3 count{1}; ///< cells along each axis
+
+    /// At least `cells` cells, few more, or one where the box is a point. At most kMaxPerAxis along
+    /// each axis. Precondition: `box` is bounded.
+    static Lattice over(const Aabb& box, uint64_t cells);
+
+    /// The cell of a point, the nearest one if it is outside.
+    glm::uvec3 cell(const glm::vec3& point) const;
+
+    uint64_t index(const glm::uvec3& cell) const
+    {
+        return (uint64_t{cell.z} * count.y + cell.y) * count.x + cell.x;
+    }
+    /// The cell of an index.
+    glm::uvec3 at(uint64_t index) const
+    {
+        return {static_cast<uint32_t>(index % count.x),
+                static_cast<uint32_t>(index / count.x % count.y),
+                static_cast<uint32_t>(index / count.x / count.y)};
+    }
+    uint64_t cell_count() const { return uint64_t{count.x} * count.y * count.z; }
+
+    static constexpr uint32_t kMaxPerAxis = 1024;
+};
+
+} // namespace occlude

@@ -1,0 +1,31 @@
+// Octree by the centres of the items.
+//
+// Implements  the octree as everybody draws it: a cube is halved along all three axes at once until
+//             few items are left. Built from the Morton codes of the centres, sorted once.
+// Deviations  An item is in the cell of its centre and in no other, so cells overlap by as much as
+//             items are large; node boxes are those of the items, not the cubes: tighter, and what
+//             is tested. A cube with only one occupied octant has no node; empty octants have none.
+// Guarantees  Deterministic: the same boxes give the same tree on every compiler.
+// Cost        O(n log n), one thread; about half the processor time of build_bvh().
+#pragma once
+
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <span>
+
+namespace occlude {
+
+struct OctreeOptions {
+    /// A cube of at most this many items is not split further.
+    uint32_t max_leaf_items = 1;
+    /// Cubes are halved at most so often; at most 21. Items that are still together share a leaf.
+    uint32_t max_depth = 21;
+    /// Nodes with at most this many triangles become virtual leaves. 0: no virtual leaves.
+    uint32_t leaf_triangles = 1024;
+};
+
+/// An octree over items 0 .. items.size()-1. Empty and unbounded boxes are allowed: they are items
+/// of the root, above all cubes.
+Hierarchy build_octree(std::span<const ItemBounds> items, const OctreeOptions& options = {});
+
+} // namespace occlude

@@ -1,0 +1,394 @@
+#include <occlude/scene/split.h>
+
+#include <occlude/core/assert.h>
+#include <occlude/core/rng.h>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+namespace occlude {
+namespace {
+
+/// Planes are tried at this many places per axis.
+constexpr size_t kCandidates = 15;
+/// A plane is worth it only if either side has at most this share of the triangles.
+constexpr double kLargestShare = 0.9;
+constexpr uint32_t kMaxDepth = 64;
+
+struct Plane {
+    int axis = 0;
+    float at = 0.0f;
+};
+
+struct Triangle {
+    std::array<uint32_t, 3> corner{};
+};
+
+uint64_t pair_key(uint32_t a, uint32_t b)
+{
+    return uint64_t{a} << 32 | b;
+}
+
+struct KeyHash {
+    size_t operator()(uint64_t key) const { return mix64(key); }
+};
+
+struct PositionHash {
+    size_t operator()(const glm::vec3& v) const
+    {
+        const auto bits = [](float x) { return std::bit_cast<uint32_t>(x == 0.0f ? 0.0f : x); };
+        return hash64(bits(v.x), bits(v.y), bits(v.z));
+    }
+};
+
+bool finite(const glm::vec3& v)
+{
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+class Splitter {
+public:
+    Splitter(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+             uint32_t max_triangles)
+        : max_triangles_(max_triangles)
+    {
+        out_.positions.assign(positions.begin(), positions.end());
+        out_.normals.assign(normals.begin(), normals.end());
+        for (const glm::vec3& position : out_.positions) {
+            points_.push_back(point_at(position));
+        }
+    }
+
+    SplitMesh run(std::span<const uint32_t> indices)
+    {
+        std::vector<Triangle> triangles;
+        for (size_t i = 0; i + 3 <= indices.size(); i += 3) {
+            triangles.push_back({{indices[i], indices[i + 1], indices[i + 2]}});
+        }
+        if (!triangles.empty()) {
+            out_.tree.nodes.resize(1);
+            split(0, std::move(triangles), 0);
+            emit_parts();
+            const size_t before = indices.size() / 3;
+            const size_t now = out_.indices.size() / 3;
+            out_.cut_triangles = static_cast<uint32_t>(now > before ? now - before : 0);
+        }
+        return std::move(out_);
+    }
+
+private:
+    /// Where an edge between two points was cut.
+    struct Cut {
+        uint32_t point = 0;
+        float share = 0.0f; ///< of the way from the point with the smaller position to the other
+    };
+
+    // Vertices at the same place are the same point, whatever their normals.
+    uint32_t point_at(const glm::vec3& position)
+    {
+        const auto next = static_cast<uint32_t>(places_.size());
+        if (!finite(position)) {
+            places_.push_back(position);
+            return next;
+        }
+        const auto [at, is_new] = point_ids_.try_emplace(position, next);
+        if (is_new) {
+            places_.push_back(position);
+        }
+        return at->second;
+    }
+
+    bool smaller(uint32_t a, uint32_t b) const
+    {
+        const glm::vec3& p = places_[a];
+        const glm::vec3& q = places_[b];
+        return p.x != q.x ? p.x < q.x : p.y != q.y ? p.y < q.y : p.z < q.z;
+    }
+
+    uint64_t edge_key(uint32_t a, uint32_t b) const
+    {
+        return smaller(a, b) ? pair_key(a, b) : pair_key(b, a);
+    }
+
+    // Cuts the edge between two points, from the smaller to the larger whoever asks.
+    void cut_edge(uint32_t a, uint32_t b, const Plane& plane)
+    {
+        if (smaller(b, a)) {
+            std::swap(a, b);
+        }
+        const glm::vec3 from = places_[a];
+        const glm::vec3 to = places_[b];
+        const double low = from[plane.axis];
+        const double share = (plane.at - low) / (double{to[plane.axis]} - low);
+        const glm::dvec3 from_exact{from};
+        glm::vec3 place{from_exact + share * (glm::dvec3{to} - from_exact)};
+        place[plane.axis] = plane.at;
+        const uint32_t point = point_at(place);
+        cuts_.try_emplace(pair_key(a, b), Cut{point, static_cast<float>(share)});
+    }
+
+    // The vertex where the edge between two vertices was cut, with its normal.
+    uint32_t cut_vertex(uint32_t a, uint32_t b, const Cut& cut)
+    {
+        if (smaller(points_[b], points_[a])) {
+            std::swap(a, b);
+        }
+        const auto next = static_cast<uint32_t>(out_.positions.size());
+        const auto [at, is_new] = cut_vertices_.try_emplace(pair_key(a, b), next);
+        if (is_new) {
+            const glm::vec3 sum = glm::mix(out_.normals[a], out_.normals[b], cut.share);
+            const float length = glm::length(sum);
+            out_.normals.push_back(length > 0.0f ? sum / length : out_.normals[a]);
+            out_.positions.push_back(places_[cut.point]);
+            points_.push_back(cut.point);
+        }
+        return at->second;
+    }
+
+    const Cut* find_cut(uint32_t a, uint32_t b) const
+    {
+        const auto found = cuts_.find(edge_key(points_[a], points_[b]));
+        return found != cuts_.end() ? &found->second : nullptr;
+    }
+
+    // True for triangles that still have three corners.
+    bool has_corners(const Triangle& t) const
+    {
+        const uint32_t a = points_[t.corner[0]];
+        const uint32_t b = points_[t.corner[1]];
+        const uint32_t c = points_[t.corner[2]];
+        return a != b && b != c && c != a;
+    }
+
+    // Appends the triangle, cut wherever one of its edges was cut already.
+    void close(const Triangle& triangle, std::vector<Triangle>& closed)
+    {
+        open_.assign(1, triangle);
+        while (!open_.empty()) {
+            const Triangle t = open_.back();
+            open_.pop_back();
+            bool whole = true;
+            for (size_t i = 0; i < 3 && whole; ++i) {
+                const uint32_t a = t.corner[i];
+                const uint32_t b = t.corner[(i + 1) % 3];
+                const uint32_t c = t.corner[(i + 2) % 3];
+                if (const Cut* cut = find_cut(a, b)) {
+                    const uint32_t m = cut_vertex(a, b, *cut);
+                    for (const Triangle& half : {Triangle{{m, b, c}}, Triangle{{a, m, c}}}) {
+                        if (has_corners(half)) {
+                            open_.push_back(half);
+                        }
+                    }
+                    whole = false;
+                }
+            }
+            if (whole) {
+                closed.push_back(t);
+            }
+        }
+    }
+
+    float coordinate(uint32_t vertex, int axis) const { return out_.positions[vertex][axis]; }
+
+    Aabb box_of(const Triangle& t) const
+    {
+        Aabb box;
+        for (const uint32_t corner : t.corner) {
+            if (!finite(out_.positions[corner])) {
+                return Aabb::everything();
+            }
+            box = merge(box, {out_.positions[corner], out_.positions[corner]});
+        }
+        return box;
+    }
+
+    // Sends one closed triangle to the sides of a plane, cut in two or three if it straddles it.
+    void clip(const Triangle& t, const Plane& plane, std::vector<Triangle>& low,
+              std::vector<Triangle>& high)
+    {
+        const Aabb box = box_of(t);
+        if (!box.is_bounded() || box.max[plane.axis] <= plane.at) {
+            low.push_back(t);
+            return;
+        }
+        if (box.min[plane.axis] >= plane.at) {
+            high.push_back(t);
+            return;
+        }
+        for (size_t i = 0; i < 3; ++i) {
+            const uint32_t a = t.corner[i];
+            const uint32_t b = t.corner[(i + 1) % 3];
+            const float at_a = coordinate(a, plane.axis);
+            const float at_b = coordinate(b, plane.axis);
+            if ((at_a < plane.at && at_b > plane.at) || (at_a > plane.at && at_b < plane.at)) {
+                cut_edge(points_[a], points_[b], plane);
+            }
+        }
+        std::vector<Triangle> pieces;
+        close(t, pieces);
+        for (const Triangle& piece : pieces) {
+            // A piece touches the plane but does not straddle it.
+            const bool above = box_of(piece).max[plane.axis] > plane.at;
+            (above ? high : low).push_back(piece);
+        }
+    }
+
+    // The plane of least area * triangles of both sides; nothing if none parts the triangles.
+    std::optional<Plane> choose_plane(std::span<const Triangle> triangles) const
+    {
+        std::vector<Aabb> boxes;
+        for (const Triangle& t : triangles) {
+            boxes.push_back(box_of(t));
+        }
+        const auto most = kLargestShare * static_cast<double>(triangles.size());
+        double least = std::numeric_limits<double>::infinity();
+        std::optional<Plane> best;
+        std::vector<float> borders;
+        for (int axis = 0; axis < 3; ++axis) {
+            borders.clear();
+            for (const Aabb& box : boxes) {
+                if (box.is_bounded()) {
+                    borders.push_back(box.max[axis]);
+                }
+            }
+            for (size_t k = 1; k <= kCandidates && !borders.empty(); ++k) {
+                const auto rank = borders.begin() + static_cast<std::ptrdiff_t>(borders.size() * k /
+                                                                                (kCandidates + 1));
+                std::nth_element(borders.begin(), rank, borders.end());
+                const Plane plane{axis, *rank};
+                const double cost = cost_of(boxes, plane, most);
+                if (cost < least) {
+                    least = cost;
+                    best = plane;
+                }
+            }
+        }
+        return best;
+    }
+
+    static double cost_of(std::span<const Aabb> boxes, const Plane& plane, double most)
+    {
+        std::array<Aabb, 2> side;
+        std::array<double, 2> count{};
+        for (const Aabb& box : boxes) {
+            const bool low = !box.is_bounded() || box.min[plane.axis] < plane.at ||
+                             box.max[plane.axis] <= plane.at;
+            const bool high = box.is_bounded() && box.max[plane.axis] > plane.at;
+            if (low) {
+                ++count[0];
+            }
+            if (high) {
+                ++count[1];
+            }
+            Aabb clipped = box;
+            if (low && high) {
+                clipped.max[plane.axis] = plane.at;
+                side[0] = merge(side[0], clipped);
+                clipped = box;
+                clipped.min[plane.axis] = plane.at;
+                side[1] = merge(side[1], clipped);
+            } else if (box.is_bounded()) {
+                side[low ? 0 : 1] = merge(side[low ? 0 : 1], box);
+            }
+        }
+        if (count[0] > most || count[1] > most) {
+            return std::numeric_limits<double>::infinity();
+        }
+        return double{surface_area(side[0])} * count[0] + double{surface_area(side[1])} * count[1];
+    }
+
+    void make_leaf(uint32_t node, std::vector<Triangle> triangles)
+    {
+        out_.tree.nodes[node].part = static_cast<uint32_t>(leaves_.size());
+        leaves_.push_back(std::move(triangles));
+    }
+
+    void split(uint32_t node, std::vector<Triangle> triangles, uint32_t depth)
+    {
+        const bool large = triangles.size() > max_triangles_ && depth < kMaxDepth;
+        const std::optional<Plane> plane = large ? choose_plane(triangles) : std::nullopt;
+        if (!plane) {
+            make_leaf(node, std::move(triangles));
+            return;
+        }
+        std::vector<Triangle> low;
+        std::vector<Triangle> high;
+        std::vector<Triangle> closed;
+        for (const Triangle& t : triangles) {
+            closed.clear();
+            close(t, closed);
+            for (const Triangle& piece : closed) {
+                clip(piece, *plane, low, high);
+            }
+        }
+        triangles = {};
+        if (low.empty() || high.empty()) { // what was there shrank to lines
+            make_leaf(node, std::move(low.empty() ? high : low));
+            return;
+        }
+        const auto child = static_cast<uint32_t>(out_.tree.nodes.size());
+        out_.tree.nodes[node].first_child = child;
+        out_.tree.nodes.resize(child + 2);
+        split(child, std::move(low), depth + 1);
+        split(child + 1, std::move(high), depth + 1);
+    }
+
+    // Gives every leaf the corners that its neighbours' cuts put on its edges, and writes it out.
+    void emit_parts()
+    {
+        std::vector<Triangle> closed;
+        for (const std::vector<Triangle>& leaf : leaves_) {
+            PartitionPart part;
+            part.first_index = static_cast<uint32_t>(out_.indices.size());
+            closed.clear();
+            for (const Triangle& t : leaf) {
+                close(t, closed);
+            }
+            for (const Triangle& t : closed) {
+                out_.indices.insert(out_.indices.end(), t.corner.begin(), t.corner.end());
+                part.box = merge(part.box, box_of(t));
+            }
+            part.index_count = static_cast<uint32_t>(3 * closed.size());
+            out_.parts.push_back(part);
+        }
+        for (size_t i = out_.tree.nodes.size(); i-- > 0;) {
+            LocalTree::Node& node = out_.tree.nodes[i];
+            node.box = node.first_child == LocalTree::kNone
+                           ? out_.parts[node.part].box
+                           : merge(out_.tree.nodes[node.first_child].box,
+                                   out_.tree.nodes[node.first_child + 1].box);
+        }
+    }
+
+    uint32_t max_triangles_;
+    SplitMesh out_;
+    std::vector<uint32_t> points_;  ///< per vertex: its point
+    std::vector<glm::vec3> places_; ///< per point
+    std::unordered_map<glm::vec3, uint32_t, PositionHash> point_ids_;
+    std::unordered_map<uint64_t, Cut, KeyHash> cuts_;
+    std::unordered_map<uint64_t, uint32_t, KeyHash> cut_vertices_; ///< by the ends' vertices
+    std::vector<std::vector<Triangle>> leaves_;
+    std::vector<Triangle> open_;
+};
+
+} // namespace
+
+SplitMesh split_triangles(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
+                          std::span<const uint32_t> indices, uint32_t max_triangles)
+{
+    OCCLUDE_ASSERT(indices.size() % 3 == 0, "indices come in threes");
+    OCCLUDE_ASSERT(positions.size() == normals.size(), "a normal for each position");
+    OCCLUDE_ASSERT(max_triangles > 0, "a part holds at least one triangle");
+    return Splitter{positions, normals, std::max(max_triangles, 1u)}.run(indices);
+}
+
+} // namespace occlude

@@ -1,0 +1,48 @@
+// Keeps a two-level tree in step with a scene whose objects come, go and move.
+#pragma once
+
+#include <occlude/hierarchy/two_level.h>
+#include <occlude/scene/scene.h>
+
+namespace occlude {
+
+/// The two-level tree of one scene:
+///
+///     TwoLevelScene tree;
+///     every frame:  scene.move(...); tree.sync(scene); culler.cull(view, device);
+///
+/// with a culler made over tree.hierarchy().
+class TwoLevelScene {
+public:
+    explicit TwoLevelScene(const TwoLevelOptions& options = {})
+        : tree_(options)
+    {
+    }
+
+    /// Takes over what was added, moved and removed since the last call, and updates the tree. Call
+    /// it once per frame, always with the same scene. Nothing moved: O(1), else O(items) and what
+    /// TwoLevelTree::update() costs.
+    void sync(const Scene& scene);
+
+    const TwoLevelTree& tree() const { return tree_; }
+    const Hierarchy& hierarchy() const { return tree_.hierarchy(); }
+
+private:
+    /// What is known of one object slot of the scene.
+    struct Known {
+        ObjectId id;
+        TwoLevelTree::Slot slot = 0;
+        glm::mat4 world_from_object{1.0f};
+        uint64_t seen = 0; ///< the last sync() that found it
+    };
+    void take_over(const Scene& scene);
+
+    TwoLevelTree tree_;
+    std::vector<Known> known_; ///< by ObjectId::index
+    std::vector<Aabb> boxes_;  ///< scratch
+    uint64_t syncs_ = 0;
+    uint64_t content_version_ = 0;
+    uint64_t motion_version_ = 0;
+};
+
+} // namespace occlude

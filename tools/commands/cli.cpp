@@ -1,0 +1,286 @@
+#include "commands/cli.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <ostream>
+
+namespace occlude::tools {
+
+namespace {
+
+constexpr uint64_t kMaxFrames = 1000000;
+constexpr uint64_t kMaxRepeats = 10000;
+constexpr uint64_t kMaxSamples = 64;
+constexpr uint64_t kMaxTriangles = 0xffffffff;
+constexpr std::array<const char*, 5> kCommands = {"bench", "verify", "render", "info", "list"};
+
+// Options that need more than CLI11's own conversions arrive as text first.
+struct RawStage {
+    StageOptions stage;
+    std::string device;
+    std::string size = "1280x720";
+    std::string cache_folder;
+};
+
+// Ends parsing with a message of ours.
+template <class T>
+T value_or_throw(Result<T> result)
+{
+    if (!result) {
+        throw CLI::ValidationError{result.error().message};
+    }
+    return std::move(*result);
+}
+
+// A whole number in a range; larger ones than memory could hold are typing errors.
+CLI::Validator whole_number(uint64_t low, uint64_t high)
+{
+    return CLI::Validator{
+        [low, high](const std::string& text) {
+            constexpr size_t kMaxDigits = 18;
+            const bool digits =
+                !text.empty() && text.size() <= kMaxDigits &&
+                std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+            const uint64_t value = digits ? std::stoull(text) : 0;
+            return digits && value >= low && value <= high
+                       ? std::string{}
+                       : fmt::format("'{}' is not a whole number from {} to {}", text, low, high);
+        },
+        ""};
+}
+
+void add_stage_options(CLI::App& app, RawStage& raw)
+{
+    StageOptions& stage = raw.stage;
+    app.add_option("--hierarchy", stage.hierarchy,
+                   "How the scene is organised: " + hierarchy_names())
+        ->capture_default_str();
+    app.add_option("--device", raw.device,
+                   "Who draws and tests: gl or cpu (default: gl, or cpu where there is no OpenGL)");
+    app.add_option("--test", stage.test, "How boxes are tested: queries")->capture_default_str();
+    app.add_option("--path", stage.path,
+                   "The camera's path: auto, a name of 'occlude list paths', or a FILE.json")
+        ->capture_default_str();
+    app.add_option("--size", raw.size, "Pixels of the image, WIDTHxHEIGHT")->capture_default_str();
+    app.add_option("--msaa", stage.samples, "Samples per pixel")
+        ->capture_default_str()
+        ->check(whole_number(1, kMaxSamples));
+    app.add_option("--set", stage.sets, "An option of an algorithm: ALGORITHM.OPTION=VALUE")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--leaf-triangles", stage.leaf_triangles,
+                   "Triangles up to which a node is a leaf; 0: only real leaves")
+        ->capture_default_str()
+        ->check(whole_number(0, kMaxTriangles));
+    app.add_option("--item-triangles", stage.item_triangles,
+                   "Triangles up to which a mesh stays one item")
+        ->capture_default_str()
+        ->check(whole_number(1, kMaxTriangles));
+    app.add_option("--split", stage.split,
+                   "Where larger meshes are parted: centroid (between triangles) or exact (planes "
+                   "cut triangles)")
+        ->capture_default_str();
+    app.add_option("--cache", raw.cache_folder,
+                   "Where exactly split meshes are kept (default: occlude in the user's cache)")
+        ->type_name("DIR");
+}
+
+void add_frames_option(CLI::App& app, StageOptions& stage)
+{
+    app.add_option("--frames", stage.frames, "Frames of the path")
+        ->capture_default_str()
+        ->check(whole_number(1, kMaxFrames));
+}
+
+void add_compare_options(CLI::App& app, RawStage& raw, CompareOptions& compare)
+{
+    app.add_option("scenes", compare.scenes, "Files, or scenes of 'occlude list scenes'")
+        ->required()
+        ->type_name("SCENE...");
+    app.add_option("--algorithms", compare.algorithms, "all, exact, or names between commas")
+        ->capture_default_str();
+    add_stage_options(app, raw);
+    add_frames_option(app, raw.stage);
+    app.add_option("--repeat", compare.repeat, "Walks along the path; figures are medians of them")
+        ->capture_default_str()
+        ->check(whole_number(1, kMaxRepeats));
+    app.add_flag("--verify", compare.verify, "Compare every frame with the frustum-only image");
+    app.add_option("--json", compare.json, "Write the measurements as JSON")->type_name("FILE");
+    app.add_option("--csv", compare.csv, "Write one row per algorithm as CSV")->type_name("FILE");
+    app.add_option("--html", compare.html, "Write a report for the browser")->type_name("FILE");
+}
+
+void add_render_options(CLI::App& app, RawStage& raw, RenderOptions& render)
+{
+    app.add_option("scene", render.scene, "A file, or a scene of 'occlude list scenes'")
+        ->required()
+        ->type_name("SCENE");
+    app.add_option("--algorithm", render.algorithm, "The algorithm that culls")
+        ->capture_default_str();
+    add_stage_options(app, raw);
+    app.add_option("--path-frames", raw.stage.frames, "Frames of the whole path")
+        ->capture_default_str()
+        ->check(whole_number(1, kMaxFrames));
+    CLI::Option* frame =
+        app.add_option(
+               "--frame", render.frame,
+               "The frame of the path to draw, from 0; the 30 frames before it are culled first")
+            ->check(whole_number(0, kMaxFrames - 1));
+    app.add_option("--frames", render.frame_range, "The frames FIRST:LAST to draw into a directory")
+        ->excludes(frame);
+    app.add_option("--out", render.out, "FILE.png, or a directory for --frames")->required();
+    app.add_option("--show", render.show,
+                   "visible, hidden, boxes or states (default: visible; overview: states)");
+    app.add_option("--camera", render.camera, "path, or overview: from high above")
+        ->capture_default_str();
+}
+
+// Turns what came as text into options. Throws CLI::ValidationError.
+StageOptions finish_stage(const RawStage& raw, const CLI::App& app)
+{
+    StageOptions stage = raw.stage;
+    stage.size = value_or_throw(parse_size(raw.size));
+    if (app.count("--device") > 0) {
+        stage.device = raw.device;
+    }
+    if (app.count("--cache") > 0) {
+        stage.cache_folder = raw.cache_folder;
+    }
+    return stage;
+}
+
+class Program {
+public:
+    Program()
+        : app_("occlude: what a renderer need not draw, and the proof of it", "occlude")
+    {
+        app_.require_subcommand(1);
+        app_.set_version_flag("--version", std::string{"occlude "} + OCCLUDE_VERSION);
+        bench_ = app_.add_subcommand("bench", "Measure algorithms side by side on scenes");
+        add_compare_options(*bench_, compare_stage_, compare_);
+        verify_ = app_.add_subcommand(
+            "verify", "Compare every culled frame with the frustum-only image; exit code 1 if an "
+                      "exact algorithm differs. Walks the paths auto and teleport unless --path "
+                      "names one");
+        add_compare_options(*verify_, compare_stage_, compare_);
+        render_ = app_.add_subcommand("render", "Draw culled frames as PNG");
+        add_render_options(*render_, render_stage_, render_options_);
+        info_ = app_.add_subcommand("info",
+                                    "Say what is in a scene and whether culling is likely to pay");
+        info_->add_option("scene", info_options_.scene, "A file or a generated scene")
+            ->required()
+            ->type_name("SCENE");
+        info_stage_.stage.frames = 8;
+        add_stage_options(*info_, info_stage_);
+        add_frames_option(*info_, info_stage_.stage);
+        list_ = app_.add_subcommand("list", "List what there is to choose from");
+        list_
+            ->add_option("what", list_options_.what,
+                         "algorithms, hierarchies, devices, scenes or paths")
+            ->required();
+        list_->add_option("scene", list_options_.scene, "For paths: the scene whose paths to list");
+    }
+
+    CLI::App& app() { return app_; }
+
+    /// Runs the subcommand that was parsed. Throws CLI::ParseError.
+    Result<int> run(const Streams& streams)
+    {
+        if (bench_->parsed() || verify_->parsed()) {
+            const CLI::App& parsed = bench_->parsed() ? *bench_ : *verify_;
+            compare_.stage = finish_stage(compare_stage_, parsed);
+            compare_.path_given = parsed.count("--path") > 0;
+            return bench_->parsed() ? bench_command(compare_, streams)
+                                    : verify_command(compare_, streams);
+        }
+        if (render_->parsed()) {
+            render_options_.stage = finish_stage(render_stage_, *render_);
+            return render_command(render_options_, streams);
+        }
+        if (info_->parsed()) {
+            info_options_.stage = finish_stage(info_stage_, *info_);
+            return info_command(info_options_, streams);
+        }
+        return list_command(list_options_, streams);
+    }
+
+private:
+    CLI::App app_;
+    CLI::App* bench_ = nullptr;
+    CLI::App* verify_ = nullptr;
+    CLI::App* render_ = nullptr;
+    CLI::App* info_ = nullptr;
+    CLI::App* list_ = nullptr;
+    RawStage compare_stage_;
+    RawStage render_stage_;
+    RawStage info_stage_;
+    CompareOptions compare_;
+    RenderOptions render_options_;
+    InfoOptions info_options_;
+    ListOptions list_options_;
+};
+
+// The command the user named, if there is such a one; for "see 'occlude X --help'".
+std::string named_command(int argc, const char* const* argv)
+{
+    for (const char* command : kCommands) {
+        if (argc > 1 && std::string_view{argv[1]} == command) {
+            return std::string{" "} + command;
+        }
+    }
+    return {};
+}
+
+bool is_unknown_command(int argc, const char* const* argv)
+{
+    return argc > 1 && argv[1][0] != '-' && named_command(argc, argv).empty();
+}
+
+int fail(const Streams& streams, std::string_view message)
+{
+    streams.err << "occlude: " << message << '\n';
+    return kFailed;
+}
+
+int parse_and_run(int argc, const char* const* argv, const Streams& streams)
+{
+    Program program;
+    try {
+        program.app().parse(argc, argv);
+        const Result<int> code = program.run(streams);
+        return code ? *code : fail(streams, code.error().message);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) { // --help, --version
+            program.app().exit(error, streams.out, streams.err);
+            return kDone;
+        }
+        return fail(streams, fmt::format("{}; see 'occlude{} --help'", error.what(),
+                                         named_command(argc, argv)));
+    }
+}
+
+} // namespace
+
+int run_program(int argc, const char* const* argv, const Streams& streams)
+{
+    if (argc <= 1 || is_unknown_command(argc, argv)) {
+        const std::string problem =
+            argc <= 1 ? "no command given" : fmt::format("there is no command '{}'", argv[1]);
+        return fail(streams, fmt::format("{}; choose one of {}; see 'occlude --help'", problem,
+                                         fmt::join(kCommands, ", ")));
+    }
+    try {
+        return parse_and_run(argc, argv, streams);
+    } catch (const std::bad_alloc&) {
+        return fail(streams, "out of memory; choose a smaller scene, size or number of frames");
+    } catch (const std::exception& error) {
+        return fail(streams, fmt::format("unexpected failure: {}", error.what()));
+    }
+}
+
+} // namespace occlude::tools

@@ -1,0 +1,26 @@
+// The subcommands. Each returns the exit code, or the error that the program ends with.
+#pragma once
+
+#include "commands/options.h"
+#include "commands/progress.h"
+
+#include <iosfwd>
+
+namespace occlude::tools {
+
+/// 0: done. 1: an exact algorithm's image differs. 2: the command could not be carried out.
+enum ExitCode : int { kDone = 0, kDiffers = 1, kFailed = 2 };
+
+struct Streams {
+    std::ostream& out;
+    std::ostream& err;
+    Watcher watcher = Watcher::none; ///< of `err`
+};
+
+Result<int> bench_command(const CompareOptions& options, const Streams& streams);
+Result<int> verify_command(const CompareOptions& options, const Streams& streams);
+Result<int> render_command(const RenderOptions& options, const Streams& streams);
+Result<int> info_command(const InfoOptions& options, const Streams& streams);
+Result<int> list_command(const ListOptions& options, const Streams& streams);
+
+} // namespace occlude::tools

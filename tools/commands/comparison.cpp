@@ -1,0 +1,113 @@
+#include "commands/comparison.h"
+
+#include "measure/verify.h"
+#include "report/csv_report.h"
+#include "report/html_report.h"
+#include "report/json_report.h"
+
+#include <ostream>
+
+namespace occlude::tools {
+
+// Opens `path` into `file`; an empty path asks for nothing.
+static Result<bool> open_into(std::optional<OutputFile>& file, const std::string& path)
+{
+    if (path.empty()) {
+        return true;
+    }
+    auto opened = OutputFile::open(path);
+    if (!opened) {
+        return opened.error();
+    }
+    file.emplace(std::move(*opened));
+    return true;
+}
+
+Result<ReportFiles> ReportFiles::open(const CompareOptions& options)
+{
+    ReportFiles files;
+    if (const auto opened = open_into(files.json_, options.json); !opened) {
+        return opened.error();
+    }
+    if (const auto opened = open_into(files.csv_, options.csv); !opened) {
+        return opened.error();
+    }
+    if (const auto opened = open_into(files.html_, options.html); !opened) {
+        return opened.error();
+    }
+    return files;
+}
+
+Result<bool> ReportFiles::write(std::span<const BenchDocument> documents)
+{
+    if (json_) {
+        if (const auto written = json_->commit(json_report(documents)); !written) {
+            return written.error();
+        }
+    }
+    if (csv_) {
+        if (const auto written = csv_->commit(csv_report(documents)); !written) {
+            return written.error();
+        }
+    }
+    if (html_) {
+        if (const auto written = html_->commit(html_report(documents)); !written) {
+            return written.error();
+        }
+    }
+    return true;
+}
+
+BenchDocument describe(Session& session, const CompareOptions& options, const std::string& path,
+                       size_t frames)
+{
+    return {.scene = session.model().name,
+            .objects = session.scene().scene.object_count(),
+            .items = session.scene().items.size(),
+            .triangles = session.scene().scene.triangle_count(),
+            .device = session.device_name(),
+            .api = session.renderer().api(),
+            .renderer = session.renderer().renderer_name(),
+            .hierarchy = options.stage.hierarchy,
+            .test = options.stage.test,
+            .path = path,
+            .size = options.stage.size,
+            .samples = options.stage.samples,
+            .frames = frames,
+            .repeat = options.repeat,
+            .runs = {}};
+}
+
+void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out)
+{
+    constexpr size_t kMaxLines = 10;
+    for (const AlgorithmRun& run : runs) {
+        for (const std::string& line : describe_differences(run, kMaxLines)) {
+            out << line << '\n';
+        }
+    }
+}
+
+Result<bool> check_compare_options(const CompareOptions& options)
+{
+    if (const auto checked = check_stage_options(options.stage); !checked) {
+        return checked.error();
+    }
+    // No device yet: one that offers everything.
+    DeviceCaps any;
+    any.read_depth = true;
+    const auto contenders =
+        choose_contenders(options.algorithms, options.stage.sets, any, References::always);
+    if (!contenders) {
+        return contenders.error();
+    }
+    const Hierarchy nothing = build_bvh({});
+    for (const Contender& contender : *contenders) {
+        if (const auto culler = contender.make(nothing); !culler) {
+            return culler.error();
+        }
+    }
+    return true;
+}
+
+} // namespace occlude::tools

@@ -1,0 +1,39 @@
+// What bench and verify share: from options to scenes, contenders, documents and output files.
+#pragma once
+
+#include "commands/commands.h"
+#include "commands/contenders.h"
+#include "commands/session.h"
+#include "report/bench_document.h"
+#include "report/output_file.h"
+
+#include <optional>
+
+namespace occlude::tools {
+
+/// The output files that were asked for, found writable.
+class ReportFiles {
+public:
+    /// Opens every file that `options` names, before anything takes long.
+    static Result<ReportFiles> open(const CompareOptions& options);
+
+    /// Writes all of them.
+    Result<bool> write(std::span<const BenchDocument> documents);
+
+private:
+    std::optional<OutputFile> json_;
+    std::optional<OutputFile> csv_;
+    std::optional<OutputFile> html_;
+};
+
+/// A document about `path` on this session; runs are left empty.
+BenchDocument describe(Session& session, const CompareOptions& options, const std::string& path,
+                       size_t frames);
+
+/// Prints what differed, if anything did.
+void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out);
+
+/// Checks everything that can be checked before a scene is loaded, for messages at once.
+Result<bool> check_compare_options(const CompareOptions& options);
+
+} // namespace occlude::tools

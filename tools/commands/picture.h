@@ -1,0 +1,47 @@
+// Pictures of what a culler decided in a frame.
+#pragma once
+
+#include "commands/session.h"
+
+#include <occlude/cull/culler.h>
+
+#include <array>
+
+namespace occlude::tools {
+
+enum class Show {
+    visible, ///< the items drawn, in their own colours
+    hidden,  ///< ... with the hidden items in red shining through
+    boxes,   ///< ... with the boxes of the nodes that were decided
+    states,  ///< every item in the colour of its decision
+};
+enum class CameraChoice { path, overview };
+
+/// One line of the legend.
+struct StateColor {
+    Decision decision;
+    std::string_view color_name;
+    glm::vec4 color;
+};
+/// Every decision with its colour, in the order of the enum.
+std::span<const StateColor> state_colors();
+
+/// The decision of every item, indexed by ItemId, also for cullers that decide for items rather
+/// than nodes: what they drew counts as drawn.
+std::vector<Decision> item_decisions(const Culler& culler, size_t item_count);
+
+/// A camera from high above whose image of `size` pixels shows the whole scene, with the way that
+/// `path_camera` looks going up.
+Camera overview_camera(const SceneModel& model, const Camera& path_camera, glm::ivec2 size);
+
+/// The end points of the 12 edges of a box, in pairs.
+std::array<glm::vec3, 24> box_edges(const Aabb& box);
+
+/// The end points of the 12 edges of a view's frustum, cut off `reach` world units from the eye.
+std::array<glm::vec3, 24> frustum_edges(const View& view, float reach);
+
+/// The picture of the frame that `culler` has just culled on the session's renderer.
+Image draw_picture(Session& session, const Culler& culler, const Camera& camera, Show show,
+                   CameraChoice choice);
+
+} // namespace occlude::tools

@@ -1,0 +1,56 @@
+#include "commands/progress.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ostream>
+
+namespace occlude::tools {
+
+static constexpr double kSecondsBetweenLines = 0.1;
+static constexpr size_t kBarWidth = 30;
+
+Progress::Progress(std::ostream& err, Watcher watcher, std::string label, Clock clock)
+    : err_(err)
+    , watcher_(watcher)
+    , label_(std::move(label))
+    , clock_(std::move(clock))
+    , start_(clock_())
+    , last_shown_(start_ - 2.0 * kSecondsBetweenLines)
+{
+}
+
+Progress::~Progress()
+{
+    if (width_ > 0) {
+        err_ << '\r' << std::string(width_, ' ') << '\r' << std::flush;
+    }
+}
+
+static std::string duration_text(double seconds)
+{
+    const auto whole = static_cast<long>(std::max(seconds, 0.0) + 0.5);
+    return whole < 60 ? fmt::format("{} s", whole)
+                      : fmt::format("{} min {:02} s", whole / 60, whole % 60);
+}
+
+void Progress::show(double share)
+{
+    const double now = clock_();
+    if (watcher_ == Watcher::none || now - last_shown_ < kSecondsBetweenLines) {
+        return;
+    }
+    last_shown_ = now;
+    share = std::clamp(share, 0.0, 1.0);
+    const auto filled = static_cast<size_t>(share * static_cast<double>(kBarWidth));
+    std::string line = fmt::format("{} [{}{}] {:3.0f}%", label_, std::string(filled, '#'),
+                                   std::string(kBarWidth - filled, '.'), 100.0 * share);
+    if (share > 0.0) {
+        line += ", about " + duration_text((now - start_) * (1.0 - share) / share) + " left";
+    }
+    const size_t padding = width_ > line.size() ? width_ - line.size() : 0;
+    err_ << '\r' << line << std::string(padding, ' ') << std::flush;
+    width_ = std::max(width_, line.size());
+}
+
+} // namespace occlude::tools

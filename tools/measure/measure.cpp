@@ -1,0 +1,208 @@
+#include "measure/measure.h"
+
+#include <occlude/core/assert.h>
+
+#include <algorithm>
+
+namespace occlude::tools {
+
+namespace {
+
+// Frames of the untimed run before the timed ones, spread over the path: enough to load what the
+// path shows into caches and to meet every shader variant.
+constexpr size_t kWarmUpFrames = 4;
+constexpr double kMsPerSecond = 1000.0;
+
+// What repeats of one frame measured, before the median is taken.
+struct Samples {
+    std::vector<double> frame_ms;
+    std::vector<double> wait_ms;
+    std::vector<double> cull_cpu_ms;
+};
+
+class Measurement {
+public:
+    Measurement(const Stage& stage, std::span<const Contender> contenders,
+                std::span<const View> views, const MeasureOptions& options,
+                std::vector<std::unique_ptr<Culler>> cullers)
+        : stage_(stage)
+        , views_(views)
+        , options_(options)
+        , cullers_(std::move(cullers))
+        , owners_(views.size())
+        , samples_(contenders.size(), std::vector<Samples>(views.size()))
+    {
+        for (const Contender& contender : contenders) {
+            runs_.push_back({contender.name, {}, std::vector<FrameFigures>(views.size())});
+        }
+    }
+
+    std::vector<AlgorithmRun> walk()
+    {
+        warm_up();
+        for (size_t repeat = 0; repeat < options_.repeat; ++repeat) {
+            for (const auto& culler : cullers_) {
+                culler->reset();
+            }
+            for (size_t frame = 0; frame < views_.size(); ++frame) {
+                walk_frame(frame, repeat);
+                if (options_.progress) {
+                    const size_t done = repeat * views_.size() + frame + 1;
+                    options_.progress(static_cast<double>(done) /
+                                      static_cast<double>(options_.repeat * views_.size()));
+                }
+            }
+        }
+        take_medians();
+        compare_with_references(runs_);
+        return std::move(runs_);
+    }
+
+private:
+    void find_owners(size_t frame)
+    {
+        const std::vector<ItemId> items = items_in_frustum(views_[frame], stage_.item_bounds);
+        owners_[frame] = owners_of_pixels(stage_.renderer.render_ids(views_[frame], items));
+    }
+
+    void warm_up()
+    {
+        stage_.renderer.warm_up();
+        const size_t count = std::min(kWarmUpFrames, views_.size());
+        for (size_t i = 0; i < count; ++i) {
+            const size_t frame = i * views_.size() / count;
+            find_owners(frame);
+            for (const auto& culler : cullers_) {
+                record_answer(*culler, views_[frame], stage_.renderer.device(), owners_[frame]);
+                culler->cull(views_[frame], stage_.renderer.device());
+            }
+        }
+    }
+
+    void walk_frame(size_t frame, size_t repeat)
+    {
+        if (repeat == 0) {
+            find_owners(frame);
+        }
+        for (const auto& culler : cullers_) {
+            record_answer(*culler, views_[frame], stage_.renderer.device(), owners_[frame]);
+        }
+        for (const size_t contender : contender_order(cullers_.size(), frame, repeat)) {
+            time_frame(contender, frame, repeat);
+        }
+    }
+
+    void time_frame(size_t contender, size_t frame, size_t repeat)
+    {
+        Culler& culler = *cullers_[contender];
+        TimingDevice device{stage_.renderer.device(), options_.clock};
+        stage_.renderer.finish();
+        const double start = options_.clock();
+        const FrameReport report = culler.cull(views_[frame], device);
+        const double culled = options_.clock();
+        stage_.renderer.finish();
+        const double stop = options_.clock();
+
+        Samples& samples = samples_[contender][frame];
+        samples.frame_ms.push_back(kMsPerSecond * (stop - start));
+        samples.wait_ms.push_back(kMsPerSecond * device.wait_seconds());
+        samples.cull_cpu_ms.push_back(kMsPerSecond * (culled - start - device.verb_seconds()));
+        if (repeat == 0) {
+            note_decisions(contender, frame, report);
+        }
+    }
+
+    void note_decisions(size_t contender, size_t frame, const FrameReport& report)
+    {
+        const Culler& culler = *cullers_[contender];
+        AlgorithmRun& run = runs_[contender];
+        run.guarantee = weaker(run.guarantee, report.guarantee);
+        FrameFigures& figures = run.frames[frame];
+        figures.counters = report.counters;
+        figures.decision_hash = culler.decisions().hash(culler.hierarchy(), frame);
+        figures.overdraw_items_vs_exact = overdraw_items(culler.drawn_items(), owners_[frame]);
+    }
+
+    void take_medians()
+    {
+        for (size_t contender = 0; contender < runs_.size(); ++contender) {
+            for (size_t frame = 0; frame < views_.size(); ++frame) {
+                const Samples& samples = samples_[contender][frame];
+                FrameFigures& figures = runs_[contender].frames[frame];
+                figures.frame_ms = median(samples.frame_ms);
+                figures.wait_ms = median(samples.wait_ms);
+                figures.cull_cpu_ms = median(samples.cull_cpu_ms);
+            }
+        }
+    }
+
+    const Stage& stage_;
+    std::span<const View> views_;
+    const MeasureOptions& options_;
+    std::vector<std::unique_ptr<Culler>> cullers_;
+    std::vector<std::vector<ItemId>> owners_; // by frame
+    std::vector<std::vector<Samples>> samples_;
+    std::vector<AlgorithmRun> runs_;
+};
+
+const AlgorithmRun* find_run(std::span<const AlgorithmRun> runs, std::string_view algorithm)
+{
+    const auto found = std::find_if(runs.begin(), runs.end(), [&](const AlgorithmRun& run) {
+        return run.algorithm == algorithm;
+    });
+    return found != runs.end() ? &*found : nullptr;
+}
+
+} // namespace
+
+std::vector<size_t> contender_order(size_t count, size_t frame, size_t repeat)
+{
+    std::vector<size_t> order(count);
+    for (size_t i = 0; i < count; ++i) {
+        order[i] = (i + frame + repeat) % count;
+    }
+    return order;
+}
+
+double overdraw_items(std::span<const ItemId> drawn, std::span<const ItemId> owners)
+{
+    const auto wasted = std::count_if(drawn.begin(), drawn.end(), [&](ItemId item) {
+        return !std::binary_search(owners.begin(), owners.end(), item);
+    });
+    return static_cast<double>(wasted) / static_cast<double>(std::max<size_t>(owners.size(), 1));
+}
+
+void compare_with_references(std::span<AlgorithmRun> runs)
+{
+    const AlgorithmRun* frustum = find_run(runs, "frustum");
+    const AlgorithmRun* opt = find_run(runs, "opt");
+    const AlgorithmRun* ideal = find_run(runs, "ideal");
+    for (AlgorithmRun& run : runs) {
+        for (size_t frame = 0; frame < run.frames.size(); ++frame) {
+            FrameFigures& figures = run.frames[frame];
+            if (frustum != nullptr) {
+                figures.speedup_vs_frustum = frustum->frames[frame].frame_ms / figures.frame_ms;
+            }
+            if (opt != nullptr) {
+                figures.ratio_to_opt = figures.frame_ms / opt->frames[frame].frame_ms;
+            }
+            if (ideal != nullptr) {
+                figures.ratio_to_ideal = figures.frame_ms / ideal->frames[frame].frame_ms;
+            }
+        }
+    }
+}
+
+Result<std::vector<AlgorithmRun>> measure(const Stage& stage, std::span<const Contender> contenders,
+                                          std::span<const View> views,
+                                          const MeasureOptions& options)
+{
+    OCCLUDE_ASSERT(!views.empty() && options.repeat > 0, "there is nothing to measure");
+    auto cullers = make_cullers(stage, contenders);
+    if (!cullers) {
+        return cullers.error();
+    }
+    return Measurement{stage, contenders, views, options, std::move(*cullers)}.walk();
+}
+
+} // namespace occlude::tools

@@ -1,0 +1,41 @@
+// The measuring core: every algorithm on every frame, interleaved frame by frame in rotating
+// order, because machines drift and only neighbours in time compare.
+//
+// One timed frame is: finish; start; cull(); finish; stop. Everything else (telling `opt` and
+// `ideal` the answer, the id buffer, hashes) happens outside of it. Each algorithm has its own
+// culler, so no algorithm sees another's frames.
+#pragma once
+
+#include "measure/run.h"
+#include "measure/stage.h"
+#include "measure/timing_device.h"
+
+namespace occlude::tools {
+
+struct MeasureOptions {
+    /// Times the whole interleaved path is walked, with reset cullers; the figure of a frame is the
+    /// median over them.
+    size_t repeat = 1;
+    Clock clock = steady_clock();
+    ProgressCallback progress = {};
+};
+
+/// One run per contender, in their order. The figures against `frustum`, `opt` and `ideal` are
+/// formed per frame if contenders of these names take part, and stay unmeasured otherwise. Fails if
+/// a contender cannot be made. Preconditions: views not empty, repeat > 0.
+Result<std::vector<AlgorithmRun>> measure(const Stage& stage, std::span<const Contender> contenders,
+                                          std::span<const View> views,
+                                          const MeasureOptions& options = {});
+
+/// The order in which `count` contenders run in a frame: rotated by one from frame to frame, and
+/// from repeat to repeat.
+std::vector<size_t> contender_order(size_t count, size_t frame, size_t repeat);
+
+/// Items of `drawn` that own no pixel, per item of `owners` (ascending); 0 if there are no owners
+/// and nothing was drawn, the number of items drawn if there are no owners.
+double overdraw_items(std::span<const ItemId> drawn, std::span<const ItemId> owners);
+
+/// Forms the figures against `frustum`, `opt` and `ideal` in every frame of all runs.
+void compare_with_references(std::span<AlgorithmRun> runs);
+
+} // namespace occlude::tools

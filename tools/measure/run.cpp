@@ -1,0 +1,56 @@
+#include "measure/run.h"
+
+#include <occlude/core/rng.h>
+
+namespace occlude::tools {
+
+Guarantee weaker(const Guarantee& a, const Guarantee& b)
+{
+    if (a.kind != b.kind) {
+        return a.kind > b.kind ? a : b;
+    }
+    return a.frames + a.threshold >= b.frames + b.threshold ? a : b;
+}
+
+double Summary::per_frame(uint64_t count) const
+{
+    return frame_count == 0 ? kNotMeasured
+                            : static_cast<double>(count) / static_cast<double>(frame_count);
+}
+
+static std::vector<double> column(const AlgorithmRun& run, double FrameFigures::*figure)
+{
+    std::vector<double> values;
+    values.reserve(run.frames.size());
+    for (const FrameFigures& frame : run.frames) {
+        values.push_back(frame.*figure);
+    }
+    return values;
+}
+
+Summary summarise(const AlgorithmRun& run)
+{
+    Summary summary;
+    summary.frame_ms = distribution(column(run, &FrameFigures::frame_ms));
+    summary.speedup_vs_frustum = median(column(run, &FrameFigures::speedup_vs_frustum));
+    summary.ratio_to_opt = median(column(run, &FrameFigures::ratio_to_opt));
+    summary.ratio_to_ideal = median(column(run, &FrameFigures::ratio_to_ideal));
+    summary.overdraw_items_vs_exact = mean(column(run, &FrameFigures::overdraw_items_vs_exact));
+    summary.wait_ms = mean(column(run, &FrameFigures::wait_ms));
+    summary.cull_cpu_ms = mean(column(run, &FrameFigures::cull_cpu_ms));
+    summary.frame_count = run.frames.size();
+    summary.verified = !run.frames.empty();
+    for (const FrameFigures& frame : run.frames) {
+        summary.total += frame.counters;
+        summary.decision_hash = hash64(summary.decision_hash, frame.decision_hash);
+        summary.verified = summary.verified && frame.verdict.has_value();
+        if (frame.verdict) {
+            summary.differing_pixels += frame.verdict->differing_pixels;
+            summary.differing_frames += frame.verdict->differing_pixels > 0 ? 1 : 0;
+            summary.tied_pixels += frame.verdict->tied_pixels;
+        }
+    }
+    return summary;
+}
+
+} // namespace occlude::tools

@@ -1,0 +1,86 @@
+// What came out of walking one algorithm along one path: figures per frame and what sums them up.
+// Filled by measure.h (times) and verify.h (differences); read by everything in report/.
+#pragma once
+
+#include "measure/statistics.h"
+
+#include <occlude/core/frame_report.h>
+#include <occlude/core/ids.h>
+#include <occlude/cull/decision_log.h>
+
+#include <glm/vec2.hpp>
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace occlude::tools {
+
+/// The value of a figure that was not measured; JSON writes null, tables a dash.
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+/// An item that owns pixels of the reference and was not drawn, and who is to blame.
+struct MissingItem {
+    ItemId item;
+    uint64_t pixels = 0; ///< differing pixels that the item owns in the reference
+    NodeId node;         ///< the lowest node above the item with a decision; invalid: none has one
+    Decision decision = Decision::undecided; ///< of that node
+};
+
+/// How the image of one culled frame compares with the reference: colour and depth, bit by bit.
+struct Verdict {
+    uint64_t differing_pixels = 0;
+    /// Pixels that differ only because surfaces of equal depth were drawn in another order. The
+    /// same items in the order of the reference give the reference: nothing was culled wrongly.
+    uint64_t tied_pixels = 0;
+    glm::ivec2 first_pixel{-1};            ///< the first differing one; row 0 is the bottom row
+    std::vector<MissingItem> missing = {}; ///< most pixels first
+};
+
+struct FrameFigures {
+    double frame_ms = kNotMeasured;
+    double wait_ms = kNotMeasured;     ///< in wait()
+    double cull_cpu_ms = kNotMeasured; ///< in the culler itself: cull() less all device verbs
+    double speedup_vs_frustum = kNotMeasured;
+    double ratio_to_opt = kNotMeasured;
+    double ratio_to_ideal = kNotMeasured;
+    /// Items drawn that own no pixel, per item that owns one.
+    double overdraw_items_vs_exact = kNotMeasured;
+    FrameCounters counters;
+    uint64_t decision_hash = 0;
+    std::optional<Verdict> verdict; ///< empty: not compared
+};
+
+struct AlgorithmRun {
+    std::string algorithm;
+    Guarantee guarantee; ///< the weakest of all frames
+    std::vector<FrameFigures> frames;
+};
+
+/// The weaker of two promises.
+Guarantee weaker(const Guarantee& a, const Guarantee& b);
+
+struct Summary {
+    Distribution frame_ms;
+    double speedup_vs_frustum = kNotMeasured; ///< medians of the figures formed per frame
+    double ratio_to_opt = kNotMeasured;
+    double ratio_to_ideal = kNotMeasured;
+    double overdraw_items_vs_exact = kNotMeasured; ///< means from here on
+    double wait_ms = kNotMeasured;
+    double cull_cpu_ms = kNotMeasured;
+    FrameCounters total; ///< over all frames
+    size_t frame_count = 0;
+    uint64_t decision_hash = 0; ///< of all frames in order
+    bool verified = false;      ///< every frame was compared
+    uint64_t differing_pixels = 0;
+    uint64_t differing_frames = 0;
+    uint64_t tied_pixels = 0;
+
+    /// `count` of `total` per frame.
+    double per_frame(uint64_t count) const;
+};
+Summary summarise(const AlgorithmRun& run);
+
+} // namespace occlude::tools

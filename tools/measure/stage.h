@@ -1,0 +1,57 @@
+// What algorithms are run on: a tree, the boxes of its items and a renderer; and the two item sets
+// that everything is compared with.
+#pragma once
+
+#include "render/scene_renderer.h"
+
+#include <occlude/core/view.h>
+#include <occlude/cull/culler.h>
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace occlude::tools {
+
+struct Stage {
+    const Hierarchy& hierarchy;
+    std::span<const ItemBounds> item_bounds; ///< indexed by ItemId
+    SceneRenderer& renderer;
+};
+
+/// An algorithm with its options, ready to be made as often as needed.
+struct Contender {
+    std::string name;
+    std::function<Result<std::unique_ptr<Culler>>(const Hierarchy&)> make;
+};
+
+/// One culler per contender, in order; the error of the first that cannot be made.
+Result<std::vector<std::unique_ptr<Culler>>> make_cullers(const Stage& stage,
+                                                          std::span<const Contender> contenders);
+
+/// The items whose boxes touch the frustum and those that are never culled, in ascending order:
+/// what the reference image shows.
+std::vector<ItemId> items_in_frustum(const View& view, std::span<const ItemBounds> item_bounds);
+
+/// `items` in an order in which they can be drawn: the opaque ones as they are, then the translucent
+/// ones back to front.
+std::vector<ItemId> in_draw_order(const View& view, std::span<const ItemBounds> item_bounds,
+                                  std::span<const ItemId> items);
+
+/// The different items in an id buffer, in ascending order.
+std::vector<ItemId> owners_of_pixels(std::span<const uint32_t> ids);
+
+/// Tells a culler that must know the answer beforehand what it is; does nothing for others.
+void record_answer(Culler& culler, const View& view, QueryDevice& device,
+                   std::span<const ItemId> owners);
+
+/// True if the culler is one that record_answer() tells something.
+bool needs_answer(const Culler& culler);
+
+/// Called as work goes on, with the share of it that is done (0 to 1).
+using ProgressCallback = std::function<void(double share)>;
+
+} // namespace occlude::tools

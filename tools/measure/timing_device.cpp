@@ -1,0 +1,102 @@
+#include "measure/timing_device.h"
+
+#include <chrono>
+
+namespace occlude::tools {
+
+namespace {
+
+// Adds the lifetime of the object to a sum of seconds.
+class Span {
+public:
+    Span(const Clock& clock, double& sum)
+        : clock_(clock)
+        , sum_(sum)
+        , start_(clock())
+    {
+    }
+    ~Span() { sum_ += clock_() - start_; }
+    Span(const Span&) = delete;
+    Span& operator=(const Span&) = delete;
+
+private:
+    const Clock& clock_;
+    double& sum_;
+    double start_;
+};
+
+} // namespace
+
+Clock steady_clock()
+{
+    return [] {
+        const auto now = std::chrono::steady_clock::now().time_since_epoch();
+        return std::chrono::duration<double>(now).count();
+    };
+}
+
+void TimingDevice::restart()
+{
+    verb_seconds_ = 0.0;
+    wait_seconds_ = 0.0;
+}
+
+void TimingDevice::begin_frame(const View& view)
+{
+    const Span span{clock_, verb_seconds_};
+    inner_.begin_frame(view);
+}
+
+void TimingDevice::draw(std::span<const ItemId> items, DrawPass pass)
+{
+    const Span span{clock_, verb_seconds_};
+    inner_.draw(items, pass);
+}
+
+void TimingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
+{
+    const Span span{clock_, verb_seconds_};
+    inner_.query(batch, tickets);
+}
+
+Ticket TimingDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
+{
+    const Span span{clock_, verb_seconds_};
+    return inner_.draw_and_query(items, pass);
+}
+
+void TimingDevice::flush()
+{
+    const Span span{clock_, verb_seconds_};
+    inner_.flush();
+}
+
+Answer TimingDevice::poll(Ticket ticket)
+{
+    const Span span{clock_, verb_seconds_};
+    return inner_.poll(ticket);
+}
+
+Answer TimingDevice::wait(Ticket ticket)
+{
+    const double start = clock_();
+    const Answer answer = inner_.wait(ticket);
+    const double seconds = clock_() - start;
+    verb_seconds_ += seconds;
+    wait_seconds_ += seconds;
+    return answer;
+}
+
+bool TimingDevice::read_depth(const PixelRect& rect, std::span<float> out)
+{
+    const Span span{clock_, verb_seconds_};
+    return inner_.read_depth(rect, out);
+}
+
+void TimingDevice::end_frame()
+{
+    const Span span{clock_, verb_seconds_};
+    inner_.end_frame();
+}
+
+} // namespace occlude::tools
