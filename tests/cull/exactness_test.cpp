@@ -254,6 +254,7 @@ TEST(Exactness, TwoLevelWithEachPartSwitched)
         {"disjoint", "true"},      {"disjoint", "false"},       {"max_pending", "1"},
         {"history_length", "1"},   {"history_length", "32"},    {"frames_per_visible", "0"},
         {"max_postponed", "1000"}, {"frames_per_visible", "9"}, {"spread", "false"},
+        {"multiqueries", "false"},
     };
     for (const OptionValue& option : switches) {
         SCOPED_TRACE(option.first + "=" + option.second);

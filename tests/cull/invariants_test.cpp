@@ -66,6 +66,7 @@ const std::vector<Case>& cases()
         {"two_phase", {{"reread_triangles", "1000"}, {"final_depth", "true"}}},
         {"two_level", {}},
         {"two_level", {{"disjoint", "false"}}},
+        {"two_level", {{"multiqueries", "false"}}},
         {"two_level", {{"max_pending", "1"}}},
         {"two_level", {{"history_length", "1"}, {"spread", "false"}}},
         {"two_level", {{"max_postponed", "0"}}},

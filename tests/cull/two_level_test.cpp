@@ -120,12 +120,72 @@ TEST(TwoLevel, AHiddenNodeIsTestedInEveryFrame)
     }
 }
 
+// Six leaves side by side; which of them are seen is up to the test.
+Hierarchy side_by_side()
+{
+    std::vector<ItemBounds> items;
+    for (int i = 0; i < 6; ++i) {
+        const glm::vec3 center{3.0f * static_cast<float>(i) - 7.5f, 0.0f, -10.0f};
+        items.push_back({{center - 1.0f, center + 1.0f}, 10});
+    }
+    return build_bvh(items, {.leaf_triangles = 0});
+}
+
+TEST(TwoLevel, LongHiddenNodesShareOneTestAndAreTestedAloneIfItFails)
+{
+    const Hierarchy tree = side_by_side();
+    uint64_t frame = 0;
+    std::vector<bool> seen{true, false, false, false, false, false};
+    ScriptedDevice device({.boxes = [&](std::span<const QueryBox> boxes) {
+        uint64_t samples = 0;
+        for (const QueryBox& box : boxes) {
+            const bool inner = !tree.is_leaf(box.subject); // inner boxes are loose
+            samples += inner ? 1 : 0;
+            for (const ItemId item : tree.subtree_items(box.subject)) {
+                samples += seen[item.value] ? 1 : 0;
+            }
+        }
+        return samples;
+    }});
+    TwoLevel culler{tree};
+    for (; frame < 40; ++frame) {
+        culler.cull(look_ahead(), device);
+        EXPECT_EQ(culler.drawn_items().size(), 1u);
+    }
+    // Nothing but the five hidden leaves, in one test, in most frames.
+    FrameReport report = culler.cull(look_ahead(), device);
+    while (report.counters.queries > 1) {
+        report = culler.cull(look_ahead(), device);
+    }
+    EXPECT_EQ(report.counters.multiqueries, 1u);
+    EXPECT_EQ(report.counters.boxes, 5u);
+    seen[4] = true;
+    report = culler.cull(look_ahead(), device);
+    EXPECT_EQ(report.counters.multiqueries_failed, 1u);
+    EXPECT_GE(report.counters.queries, 6u);
+    EXPECT_EQ(culler.drawn_items().size(), 2u);
+}
+
+TEST(TwoLevel, WithoutMultiqueriesEachHiddenNodeIsTestedByItself)
+{
+    const Hierarchy tree = side_by_side();
+    ScriptedDevice device({.boxes = [&](std::span<const QueryBox> boxes) {
+        return uint64_t{tree.is_leaf(boxes[0].subject) ? 0u : 1u};
+    }});
+    TwoLevel culler{tree, {.multiqueries = false}};
+    for (int frame = 0; frame < 30; ++frame) {
+        const FrameReport report = culler.cull(look_ahead(), device);
+        EXPECT_GE(report.counters.queries, 6u);
+        EXPECT_EQ(report.counters.multiqueries, 0u);
+    }
+}
+
 TEST(TwoLevel, WithoutPostponingItAsksWhatStopAndWaitAsks)
 {
     const Hierarchy tree = test::random_bvh(400, 4);
     ScriptedDevice one;
     ScriptedDevice other;
-    TwoLevel culler{tree, {.max_postponed = 0}};
+    TwoLevel culler{tree, {.max_postponed = 0, .multiqueries = false}};
     auto reference = make_culler("stop_and_wait", tree);
     for (int frame = 0; frame < 4; ++frame) {
         const View view = look({0, 0, 90.0f - static_cast<float>(frame)}, {0, 0, 0});
@@ -353,6 +413,7 @@ TEST(TwoLevel, IsExactWhileEverythingMovesTurnsComesAndGoes)
 TEST(TwoLevel, IsExactInMotionWithEachPartSwitched)
 {
     expect_exact_in_motion({.leaf_triangles = 24}, {{"disjoint", "false"}}, {});
+    expect_exact_in_motion({.leaf_triangles = 24}, {{"multiqueries", "false"}}, {});
     expect_exact_in_motion({.leaf_triangles = 24}, {{"max_postponed", "0"}}, {});
     expect_exact_in_motion({.leaf_triangles = 0, .rebuild_period = 1, .quiet_frames = 4}, {}, {});
     expect_exact_in_motion({.complex_triangles = 0, .leaf_objects = 8, .leaf_triangles = 100}, {},
