@@ -283,6 +283,21 @@ TEST(Exactness, StatisticalWithEachPartSwitched)
     }
 }
 
+TEST(Exactness, TwoLevelWithEachPartSwitched)
+{
+    const std::vector<OptionValue> switches{
+        {"disjoint", "true"},      {"disjoint", "false"},       {"max_pending", "1"},
+        {"history_length", "1"},   {"history_length", "32"},    {"frames_per_visible", "0"},
+        {"max_postponed", "1000"}, {"frames_per_visible", "9"}, {"spread", "false"},
+        {"multiqueries", "false"},
+    };
+    for (const OptionValue& option : switches) {
+        SCOPED_TRACE(option.first + "=" + option.second);
+        expect_exact({.algorithm = "two_level", .options = {option}});
+    }
+    expect_exact({.algorithm = "two_level", .late_answers = true});
+}
+
 TEST(Exactness, OnEveryHierarchy)
 {
     for (const HierarchyKind& kind : hierarchy_kinds()) {
