@@ -165,7 +165,7 @@ void expect_exact(const Setup& setup)
         in_frustum += reference.drawn_items().size();
     }
     // The scene is evidence: something is hidden, and something is not.
-    EXPECT_LT(drawn, in_frustum * 9 / 10);
+    EXPECT_LT(drawn, in_frustum * 19 / 20);
     EXPECT_GT(drawn, in_frustum / 20);
     EXPECT_EQ(blended > 1000, setup.flags);
 }
