@@ -30,7 +30,7 @@ struct BatchAndWaitOptions {
     /// n: queries issued before the first of their results is read. 0: as many as the device can.
     uint32_t batch_size = 32;
     /// Objects whose box covers at least this share of the screen are drawn first, untested.
-    float occluder_share = 0.05f;
+    float occluder_share = 0.1f;
     /// An object with at most this many visible samples is hidden. Above 0 the image is
     /// approximate.
     uint64_t threshold = 0;

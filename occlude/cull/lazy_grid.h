@@ -21,7 +21,8 @@
 //             can be too near; here the part of the box's rectangle in the cell is tested at depth
 //             znear itself. A cell that a query found free remembers at which depth. Boxes that the
 //             near plane may touch are visible (rule R1). Both traversals test the frustum when a
-//             box enters the list (Fig. 6), not when it leaves it (Fig. 4). Sec. 6 adds the areas
+//             box enters the list (Fig. 6), not when it leaves it (Fig. 4). Tests that need pixels
+//             are made several at a time (tests_at_once; 1 is the paper). Sec. 6 adds the areas
 //             of primitives up; here the rectangles of drawn boxes.
 // Guarantees  exact, with every option: a box is hidden only if, in this frame, all pixels of its
 //             screen rectangle were seen to be nearer than its nearest depth. Needs no history, so

@@ -60,6 +60,7 @@ void TwoLevel::reset_state()
 {
     states_.clear();
     object_views_.clear();
+    keep_table_.clear();
     lineage_ = hierarchy().two_level().lineage;
 }
 
@@ -230,6 +231,7 @@ TwoLevel::FirstResult TwoLevel::first_visibility_test(CullFrame& frame, Active& 
     state.last_visited = frame.stamp();
     if (!known) {
         state.history = 0;
+        state.frames_hidden = 0;
         state.visible = false;
     }
     if (state.visible && frame.stamp() < state.next_test) {
@@ -243,6 +245,7 @@ TwoLevel::FirstResult TwoLevel::first_visibility_test(CullFrame& frame, Active& 
     if (frame.view().touches_near(box_world)) {
         if_visible = Decision::drawn_near;
         state.visible = true;
+        state.frames_hidden = 0;
         state.next_test = frame.stamp() + 1;
         return FirstResult::visible;
     }
@@ -251,9 +254,17 @@ TwoLevel::FirstResult TwoLevel::first_visibility_test(CullFrame& frame, Active& 
 
 bool TwoLevel::overlaps_pending(const Active& active) const
 {
-    return options_.disjoint && std::any_of(pending_.begin(), pending_.end(), [&](uint32_t other) {
-               return overlap(active.screen.rect, active_[other].screen.rect);
-           });
+    if (!options_.disjoint) {
+        return false;
+    }
+    for (const PendingTest& test : pending_) {
+        for (uint32_t i = test.first; i < test.first + test.count; ++i) {
+            if (overlap(active.screen.rect, active_[tested_[i]].screen.rect)) {
+                return true;
+            }
+        }
+    }
+    return false;
 }
 
 // --- Algorithm 4
@@ -272,25 +283,119 @@ void TwoLevel::process_visible_node(CullFrame& frame, uint32_t at, Decision deci
     erase(at);
 }
 
-void TwoLevel::handle_result(CullFrame& frame, uint32_t at, const Answer& answer)
+void TwoLevel::handle_result(CullFrame& frame, uint32_t at, bool visible, Decision if_hidden)
 {
     const NodeId node = active_[at].node;
     NodeState& state = state_of(node);
-    const bool visible = is_visible(answer, options_.threshold);
+    if (!state.visible) {
+        keep_table_.record(state.frames_hidden, !visible);
+    }
     state.visible = visible;
     state.history = (state.history << 1) | (visible ? 1u : 0u);
     if (visible) {
         const uint32_t postponed = postponement(state, key_of(node), frame.stamp());
         state.next_test = frame.stamp() + 1 + postponed;
+        state.frames_hidden = 0;
         process_visible_node(frame, at, Decision::drawn_revealed);
     } else {
-        frame.decide(node, Decision::hidden);
+        ++state.frames_hidden;
+        frame.decide(node, if_hidden);
         erase(at);
     }
 }
 
+// A group of which something is visible says nothing of its nodes: each is tested by itself.
+void TwoLevel::handle_test(CullFrame& frame, const PendingTest& test, const Answer& answer)
+{
+    const bool visible = is_visible(answer, options_.threshold);
+    if (test.count > 1 && visible) {
+        ++frame.counters().multiqueries_failed;
+        for (uint32_t i = test.first; i < test.first + test.count; ++i) {
+            active_[tested_[i]].stage = Stage::needs_query;
+        }
+        return;
+    }
+    const Decision if_hidden = test.count > 1 ? Decision::hidden_group : Decision::hidden;
+    for (uint32_t i = test.first; i < test.first + test.count; ++i) {
+        handle_result(frame, tested_[i], visible, if_hidden);
+    }
+}
+
+// --- issuing
+// -----------------------------------------------------------------------------------------
+
+// Collects one test over all of `entries`.
+void TwoLevel::add_test(std::span<const uint32_t> entries)
+{
+    collected_.push_back(
+        {Ticket{}, static_cast<uint32_t>(tested_.size()), static_cast<uint32_t>(entries.size())});
+    for (const uint32_t at : entries) {
+        Active& active = active_[at];
+        active.stage = Stage::pending;
+        tested_.push_back(at);
+        if (active.world_from_box != nullptr) {
+            batch_.add_box(active.box, *active.world_from_box, active.node);
+        } else {
+            batch_.add_box(active.box, active.node);
+        }
+    }
+    batch_.end_test();
+    pending_.push_back(collected_.back());
+}
+
+void TwoLevel::submit(CullFrame& frame)
+{
+    if (batch_.empty()) {
+        return;
+    }
+    frame.flush_draws();
+    frame.query(batch_, tickets_);
+    const size_t first = pending_.size() - collected_.size();
+    for (size_t i = 0; i < collected_.size(); ++i) {
+        pending_[first + i].ticket = tickets_[i];
+        frame.counters().multiqueries += collected_[i].count > 1 ? 1 : 0;
+    }
+    batch_.clear();
+    collected_.clear();
+}
+
+// Only nodes that stayed hidden are left, and all that is known to be visible is drawn: tests them
+// in groups of those that are likely to stay hidden together.
+void TwoLevel::issue_deferred(CullFrame& frame)
+{
+    deferred_.clear();
+    for (uint32_t at = head_; at != kEnd; at = active_[at].next) {
+        const uint32_t frames_hidden = state_of(active_[at].node).frames_hidden;
+        deferred_.push_back({keep_table_.keep_probability(frames_hidden), at,
+                             static_cast<uint32_t>(deferred_.size())});
+    }
+    // Descending: the greedy choice of a group relies on it.
+    std::sort(deferred_.begin(), deferred_.end(), [](const Deferred& a, const Deferred& b) {
+        return a.keep != b.keep ? a.keep > b.keep : a.order < b.order;
+    });
+    keep_.clear();
+    for (const Deferred& deferred : deferred_) {
+        keep_.push_back(deferred.keep);
+    }
+    for (size_t done = 0; done < keep_.size() && pending_.size() < pending_limit(frame);) {
+        const size_t size = best_multiquery_size(std::span<const double>{keep_}.subspan(done));
+        group_.clear();
+        for (size_t i = done; i < done + size; ++i) {
+            group_.push_back(deferred_[i].entry);
+        }
+        add_test(group_);
+        done += size;
+    }
+    submit(frame);
+}
+
 // --- Algorithm 2
 // -------------------------------------------------------------------------------------
+
+size_t TwoLevel::pending_limit(const CullFrame& frame) const
+{
+    return std::max<size_t>(std::min(options_.max_pending, frame.caps().max_outstanding), 1);
+}
 
 // Handles the queries that are answered; false if none was.
 bool TwoLevel::poll_pending(CullFrame& frame)
@@ -298,12 +403,12 @@ bool TwoLevel::poll_pending(CullFrame& frame)
     const size_t before = pending_.size();
     size_t left = 0;
     for (size_t i = 0; i < before; ++i) {
-        const uint32_t at = pending_[i];
-        const Answer answer = frame.poll(active_[at].ticket);
+        const PendingTest test = pending_[i];
+        const Answer answer = frame.poll(test.ticket);
         if (answer.state == AnswerState::pending) {
-            pending_[left++] = at;
+            pending_[left++] = test;
         } else {
-            handle_result(frame, at, answer);
+            handle_test(frame, test, answer);
         }
     }
     pending_.resize(left);
@@ -317,66 +422,56 @@ void TwoLevel::finish_queries(CullFrame& frame)
     if (poll_pending(frame) || pending_.empty()) {
         return;
     }
-    const uint32_t at = pending_.front();
+    const PendingTest test = pending_.front();
     pending_.erase(pending_.begin());
-    handle_result(frame, at, frame.wait(active_[at].ticket));
+    handle_test(frame, test, frame.wait(test.ticket));
     poll_pending(frame);
+}
+
+// The node has been reached: draws and opens it, drops it, or says how it is to be tested. False if
+// it is gone from the list.
+bool TwoLevel::reach(CullFrame& frame, uint32_t at)
+{
+    Decision decision = Decision::drawn;
+    switch (first_visibility_test(frame, active_[at], decision)) {
+    case FirstResult::invisible:
+        erase(at);
+        return false;
+    case FirstResult::visible:
+        process_visible_node(frame, at, decision);
+        return false;
+    case FirstResult::needs_query:
+        break;
+    }
+    const bool stayed_hidden = state_of(active_[at].node).frames_hidden > 0;
+    active_[at].stage =
+        options_.multiqueries && stayed_hidden ? Stage::deferred : Stage::needs_query;
+    return true;
 }
 
 // Second loop: as many nodes as possible at once. False once the list is empty.
 bool TwoLevel::process_active(CullFrame& frame)
 {
-    const size_t most = std::min(options_.max_pending, frame.caps().max_outstanding);
     const auto next_of = [&](uint32_t at) { return at == kEnd ? head_ : active_[at].next; };
     uint32_t previous = kEnd; // of the node in hand; children take its place
     while (next_of(previous) != kEnd) {
         const uint32_t at = next_of(previous);
-        if (active_[at].stage == Stage::fresh) {
-            Decision decision = Decision::drawn;
-            const FirstResult first = first_visibility_test(frame, active_[at], decision);
-            if (first == FirstResult::needs_query) {
-                active_[at].stage = Stage::needs_query;
-            } else {
-                if (first == FirstResult::visible) {
-                    process_visible_node(frame, at, decision);
-                } else {
-                    erase(at);
-                }
-                continue;
-            }
+        if (active_[at].stage == Stage::fresh && !reach(frame, at)) {
+            continue;
         }
         if (active_[at].stage == Stage::needs_query && !overlaps_pending(active_[at])) {
-            if (pending_.size() >= std::max<size_t>(most, 1)) {
+            if (pending_.size() >= pending_limit(frame)) {
                 break; // maximum queries reached
             }
-            active_[at].stage = Stage::pending;
-            if (active_[at].world_from_box != nullptr) {
-                batch_.add_box(active_[at].box, *active_[at].world_from_box, active_[at].node);
-            } else {
-                batch_.add_box(active_[at].box, active_[at].node);
-            }
-            batch_.end_test();
-            collected_.push_back(at);
-            pending_.push_back(at);
+            add_test({&at, 1});
         }
         previous = at;
     }
     submit(frame);
+    if (pending_.empty() && head_ != kEnd) {
+        issue_deferred(frame);
+    }
     return head_ != kEnd;
-}
-
-void TwoLevel::submit(CullFrame& frame)
-{
-    if (batch_.empty()) {
-        return;
-    }
-    frame.flush_draws();
-    frame.query(batch_, tickets_);
-    for (size_t i = 0; i < collected_.size(); ++i) {
-        active_[collected_[i]].ticket = tickets_[i];
-    }
-    batch_.clear();
-    collected_.clear();
 }
 
 void TwoLevel::cull_frame(CullFrame& frame)
@@ -384,6 +479,7 @@ void TwoLevel::cull_frame(CullFrame& frame)
     const TwoLevelNodes& info = hierarchy().two_level();
     states_.resize(info.empty() ? hierarchy().nodes().size() : info.key_count);
     object_views_.resize(info.frames.size());
+    tested_.clear();
     insert_after(kEnd, hierarchy().root(), Frustum::kAllPlanes);
     while (process_active(frame)) {
         finish_queries(frame);

@@ -13,7 +13,8 @@
 //             frames_per_visible, max_postponed. A node whose query is pending keeps its place in the
 //             list, so that nothing has to be sorted again. "Viewer inside" is rule R1: the near
 //             plane may touch the box. A node that comes back into the frustum is tested (R8).
-//             Postponed tests are spread in time (spread). The loop waits for the nearest query
+//             Postponed tests are spread in time (spread). Nodes that stayed hidden are tested last
+//             and in groups (multiqueries), as CHC++ does it: they are most of the queries. The loop waits for the nearest query
 //             when there is nothing else to do.
 // Guarantees  exact with threshold 0, whatever moves: a leaf in the frustum is drawn, or lies in a
 //             node whose test found nothing in this frame.
@@ -24,10 +25,12 @@
 #pragma once
 
 #include <occlude/core/projection.h>
+#include <occlude/cull/chc_plus_plus_math.h>
 #include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace occlude {
@@ -44,6 +47,9 @@ struct TwoLevelCullOptions {
     uint32_t frames_per_visible = 3;
     /// ... up to this many. 0: every node is tested in every frame.
     uint32_t max_postponed = 24;
+    /// Nodes that stayed hidden are tested last, when everything else is drawn, and several in one
+    /// test where that is likely to pay (the multiqueries of CHC++). false: as the paper has it.
+    bool multiqueries = true;
     /// Shortens each postponement by a random part of up to a half, so that nodes that turned
     /// visible together are not tested together for ever after.
     bool spread = true;
@@ -64,12 +70,13 @@ private:
 
     /// What is remembered of a node, by its key.
     struct NodeState {
-        uint32_t last_visited = 0; ///< stamp of the last frame in which it was reached inside
-        uint32_t next_test = 0;    ///< stamp from which a visible node is tested again
-        uint32_t history = 0;      ///< the last results, newest in bit 0; 1 is visible
+        uint32_t last_visited = 0;  ///< stamp of the last frame in which it was reached inside
+        uint32_t next_test = 0;     ///< stamp from which a visible node is tested again
+        uint32_t frames_hidden = 0; ///< how many tests in a row found it hidden
+        uint32_t history = 0;       ///< the last results, newest in bit 0; 1 is visible
         bool visible = false;
     };
-    enum class Stage : uint8_t { fresh, needs_query, pending };
+    enum class Stage : uint8_t { fresh, needs_query, deferred, pending };
     /// A node in the list of active nodes.
     struct Active {
         NodeId node;
@@ -80,7 +87,12 @@ private:
         ScreenBounds screen; ///< from needs_query on, if `disjoint`
         Aabb box;            ///< from needs_query on: as handed to the test
         const glm::mat4* world_from_box = nullptr;
+    };
+    /// A test under way.
+    struct PendingTest {
         Ticket ticket;
+        uint32_t first = 0; ///< into tested_: the nodes that it is of
+        uint32_t count = 0;
     };
     enum class FirstResult : uint8_t { invisible, visible, needs_query };
     /// What one object's space needs in one frame.
@@ -97,12 +109,17 @@ private:
 
     bool poll_pending(CullFrame& frame);
     void finish_queries(CullFrame& frame);
+    size_t pending_limit(const CullFrame& frame) const;
+    bool reach(CullFrame& frame, uint32_t at);
     bool process_active(CullFrame& frame);
     FirstResult first_visibility_test(CullFrame& frame, Active& active, Decision& if_visible);
     void prepare_query(CullFrame& frame, Active& active);
     bool overlaps_pending(const Active& active) const;
+    void add_test(std::span<const uint32_t> entries);
+    void issue_deferred(CullFrame& frame);
     void submit(CullFrame& frame);
-    void handle_result(CullFrame& frame, uint32_t at, const Answer& answer);
+    void handle_test(CullFrame& frame, const PendingTest& test, const Answer& answer);
+    void handle_result(CullFrame& frame, uint32_t at, bool visible, Decision if_hidden);
     uint32_t postponement(const NodeState& state, uint32_t key, uint32_t stamp) const;
 
     void process_visible_node(CullFrame& frame, uint32_t at, Decision decision);
@@ -121,11 +138,21 @@ private:
     std::vector<Active> active_; ///< the list of active nodes, near to far by `next` ...
     uint32_t head_ = kEnd;
     uint32_t free_ = kEnd;
-    std::vector<uint32_t> pending_; ///< ... of these, those with a query under way, as issued
+    std::vector<PendingTest> pending_; ///< ... of these, those with a query under way, as issued
+    std::vector<uint32_t> tested_;     ///< the nodes of all tests of this frame, test by test
 
     TestBatch batch_;
-    std::vector<uint32_t> collected_; ///< what the tests of `batch_` are of
+    std::vector<PendingTest> collected_; ///< what the tests of `batch_` are of
     std::vector<Ticket> tickets_;
+    KeepTable keep_table_;
+    struct Deferred {
+        double keep; ///< the probability that it stays hidden
+        uint32_t entry;
+        uint32_t order;
+    };
+    std::vector<Deferred> deferred_;
+    std::vector<double> keep_;
+    std::vector<uint32_t> group_;
     std::vector<ObjectView> object_views_;
     struct Child {
         bool is_object;
@@ -146,6 +173,7 @@ void visit_options(TwoLevelCullOptions& o, Visit&& visit)
     visit("frames_per_visible", o.frames_per_visible,
           "frames that a test is postponed for each remembered \"visible\"");
     visit("max_postponed", o.max_postponed, "frames that a test is postponed at most; 0: never");
+    visit("multiqueries", o.multiqueries, "test long-hidden nodes last, several at a time");
     visit("spread", o.spread, "shorten postponements at random, so that tests spread in time");
     visit("threshold", o.threshold, "samples up to which a node is hidden; above 0 not exact");
     visit("seed", o.seed, "of the spreading");

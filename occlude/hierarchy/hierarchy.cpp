@@ -269,8 +269,8 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
     if (flags_changed) {
         collect_flagged();
     }
-    refit_nodes();
     two_level_ = {}; // nobody said how the objects moved
+    refit_nodes();
     OCCLUDE_VALIDATE(validate(*this));
 }
 

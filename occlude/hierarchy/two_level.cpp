@@ -487,25 +487,23 @@ bool TwoLevelTree::needs_rebuild(const SceneNode& node) const
            std::max(allowed, static_cast<float>(options_.leaf_objects));
 }
 
-// Rebuilds at most one subtree: the one with the most changes for its size, the upper one of
-// equals.
+// Rebuilds at most one subtree: of those that need it the one with the most changes, the upper one
+// of equals, which takes care of those below it.
 void TwoLevelTree::reconstruct()
 {
     if (updates_ % options_.rebuild_period != 1 % options_.rebuild_period) {
         return;
     }
     uint32_t worst = kNone;
-    float worst_share = 0.0f;
+    uint32_t most_changes = 0;
     walk_.assign(1, kRoot);
     while (!walk_.empty()) {
         const uint32_t node = walk_.back();
         walk_.pop_back();
         const SceneNode& n = scene_[node];
-        const float share =
-            static_cast<float>(n.changes) / static_cast<float>(n.subtree_objects + 1);
-        if (needs_rebuild(n) && share > worst_share) {
+        if (needs_rebuild(n) && n.changes > most_changes) {
             worst = node;
-            worst_share = share;
+            most_changes = n.changes;
         }
         if (n.first_child != kNone) {
             walk_.push_back(n.first_child + 1);

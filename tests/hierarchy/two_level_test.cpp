@@ -199,7 +199,7 @@ TEST(TwoLevelTree, ASubtreeWhoseLinksHaveChangedEnoughIsRebuilt)
     for (int i = 0; i < 64; ++i) {
         world.move(slots[static_cast<size_t>(i)], at(500, 2.0f * static_cast<float>(i), 0));
     }
-    for (int frame = 0; frame < 8; ++frame) {
+    for (int frame = 0; frame < 30; ++frame) {
         world.update();
         EXPECT_EQ(world.tree.check(), "");
     }

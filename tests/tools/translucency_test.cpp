@@ -2,7 +2,7 @@
 #include "tools/tiny_scenes.h"
 
 #include "render/gl_renderer.h"
-#include "verify.h"
+#include "measure/verify.h"
 
 #include <gtest/gtest.h>
 

@@ -59,26 +59,35 @@ Session::Session(SceneModel model, const StageOptions& options)
     , scene_(make_cull_scene(model_))
 {
     if (options.hierarchy == kTwoLevel) { // knows of objects, not only of items
-        two_level_ = std::make_unique<TwoLevelScene>(
-            TwoLevelOptions{.leaf_triangles = options.leaf_triangles});
+        two_level_ = std::make_unique<TwoLevelScene>(two_level_options());
         two_level_->sync(scene_.scene);
     } else {
-        hierarchy_ = find_hierarchy_kind(options.hierarchy)
-                         ->build(scene_.scene.item_bounds(), options.leaf_triangles);
+        hierarchy_ = build(scene_.scene.item_bounds());
     }
+}
+
+TwoLevelOptions Session::two_level_options() const
+{
+    return {.leaf_triangles = options_.leaf_triangles};
 }
 
 void Session::make_motion()
 {
+    if (model_.motion.empty()) {
+        return;
+    }
     if (two_level_) {
-        moving_tree_ = std::make_unique<RelinkedTree>(
-            *two_level_, TwoLevelOptions{.leaf_triangles = options_.leaf_triangles});
+        moving_tree_ = std::make_unique<RelinkedTree>(*two_level_, two_level_options());
     } else {
-        moving_tree_ = std::make_unique<RefittedTree>(hierarchy_, scene_.scene, [this](auto items) {
-            return find_hierarchy_kind(options_.hierarchy)->build(items, options_.leaf_triangles);
-        });
+        moving_tree_ = std::make_unique<RefittedTree>(hierarchy_, scene_.scene,
+                                                      [this](auto items) { return build(items); });
     }
     motion_ = std::make_unique<MotionPlayer>(model_, scene_, *moving_tree_, *renderer_);
+}
+
+Hierarchy Session::build(std::span<const ItemBounds> items) const
+{
+    return find_hierarchy_kind(options_.hierarchy)->build(items, options_.leaf_triangles);
 }
 
 Stage Session::stage()
@@ -134,9 +143,7 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
     if (const auto made = session->make_renderer(notes); !made) {
         return made.error();
     }
-    if (!session->model_.motion.empty()) {
-        session->make_motion();
-    }
+    session->make_motion();
     return session;
 }
 

@@ -42,7 +42,9 @@ public:
 private:
     Session(SceneModel model, const StageOptions& options);
     Result<bool> make_renderer(std::ostream& notes);
+    TwoLevelOptions two_level_options() const;
     void make_motion();
+    Hierarchy build(std::span<const ItemBounds> items) const;
 
     StageOptions options_;
     SceneModel model_;
