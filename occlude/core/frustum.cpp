@@ -74,4 +74,32 @@ Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
     return mask == 0 ? Containment::inside : Containment::intersects;
 }
 
+Containment Frustum::classify_sphere(const glm::vec3& center, float radius) const
+{
+    if (radius < 0.0f) {
+        return Containment::outside;
+    }
+    if (!std::isfinite(glm::dot(center, center) + radius)) {
+        return Containment::intersects;
+    }
+    constexpr float kSlop = 1e-6f; // as for boxes
+    Containment result = Containment::inside;
+    for (const glm::vec4& plane : planes_) {
+        const glm::vec3 normal{plane};
+        const float distance = glm::dot(normal, center) + plane.w;
+        const float slop =
+            kSlop * (glm::dot(glm::abs(normal), glm::abs(center)) + std::abs(plane.w) + radius);
+        if (normal == glm::vec3{0.0f}) {
+            continue; // bounds nothing
+        }
+        if (distance + radius < -slop) {
+            return Containment::outside;
+        }
+        if (distance - radius < slop) {
+            result = Containment::intersects;
+        }
+    }
+    return result;
+}
+
 } // namespace occlude

@@ -63,6 +63,11 @@ public:
         return classify(box, mask);
     }
 
+    /// Where the ball around `center` lies. As with boxes: `outside` and `inside` are certain, near
+    /// an edge of the frustum the answer may be `intersects` although the ball is wholly outside. A
+    /// ball that is not finite intersects; one of negative radius is empty, so outside.
+    Containment classify_sphere(const glm::vec3& center, float radius) const;
+
 private:
     std::array<glm::vec4, plane_count> planes_{};
 };

@@ -32,8 +32,9 @@ static Aabb part_in_cell(const Aabb& box, const Lattice& lattice, const glm::uve
     constexpr double kSlop = 1e-6;
     Aabb part = box;
     for (int axis = 0; axis < 3; ++axis) {
-        const double low = lattice.low[axis] + lattice.cell_size * (at[axis] - kSlop);
-        const double high = lattice.low[axis] + lattice.cell_size * (at[axis] + 1.0 + kSlop);
+        const double size = lattice.cell_size[axis];
+        const double low = lattice.low[axis] + size * (at[axis] - kSlop);
+        const double high = lattice.low[axis] + size * (at[axis] + 1.0 + kSlop);
         if (at[axis] > 0) {
             const float rounded = std::nextafter(static_cast<float>(low), -Aabb::kInfinity);
             part.min[axis] = std::max(part.min[axis], std::min(rounded, part.max[axis]));
@@ -56,10 +57,7 @@ CellGrid::Cell CellGrid::make_cell(std::span<const Overlap> overlaps, const Latt
                                    const Aabb& region)
 {
     Cell cell;
-    const uint64_t index = overlaps.front().first;
-    cell.at = {static_cast<uint32_t>(index % lattice.count.x),
-               static_cast<uint32_t>(index / lattice.count.x % lattice.count.y),
-               static_cast<uint32_t>(index / lattice.count.x / lattice.count.y)};
+    cell.at = lattice.at(overlaps.front().first);
     cell.first = static_cast<uint32_t>(places_.size());
     cell.count = static_cast<uint32_t>(overlaps.size());
     for (const auto& [same_index, place] : overlaps) {

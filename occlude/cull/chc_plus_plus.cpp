@@ -77,43 +77,14 @@ uint32_t ChcPlusPlus::first_test_after(uint32_t stamp, NodeId node) const
 // --- issuing tests
 // -----------------------------------------------------------------------------------
 
-// Replaces a node by descendants, level by level, while their boxes are not too many and not too
-// large.
-void ChcPlusPlus::collect_tight_bounds(NodeId node)
-{
-    const auto nodes = hierarchy().nodes();
-    const float largest_area = options_.tight_bounds_area * surface_area(nodes[node.value].box);
-    tight_.assign(1, node);
-    for (uint32_t depth = 0; depth < options_.tight_bounds_depth; ++depth) {
-        tight_next_.clear();
-        float area = 0.0f;
-        for (const NodeId id : tight_) {
-            const Node& n = nodes[id.value];
-            // A node with items of its own is more than its children.
-            const bool opened = n.child_count > 0 && n.own_items == 0;
-            const uint32_t first = opened ? n.first_child.value : id.value;
-            const uint32_t count = opened ? n.child_count : 1;
-            for (uint32_t i = first; i < first + count; ++i) {
-                if (!nodes[i].box.is_empty()) {
-                    tight_next_.push_back(NodeId{i});
-                    area += surface_area(nodes[i].box);
-                }
-            }
-        }
-        if (area > largest_area || tight_next_.size() == tight_.size()) {
-            return;
-        }
-        std::swap(tight_, tight_next_);
-    }
-}
-
 // Collects one test over queried_nodes_[first, first + count).
 void ChcPlusPlus::add_test(CullFrame& frame, uint32_t first, uint32_t count)
 {
     for (uint32_t i = first; i < first + count; ++i) {
         const NodeId node = queried_nodes_[i];
-        collect_tight_bounds(node);
-        for (const NodeId part : tight_) {
+        const auto parts = tight_bounds_.collect(hierarchy(), node, options_.tight_bounds_depth,
+                                                 options_.tight_bounds_area);
+        for (const NodeId part : parts) {
             batch_.add_box(frame.test_box(part), node);
         }
     }

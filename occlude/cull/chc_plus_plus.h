@@ -11,7 +11,7 @@
 //             IssueQuery                     -> add_test, submit
 //             HandleReturnedQuery            -> handle_returned_query
 //             QueryReasonable, Figure 8.4.4  -> next_test, first_test_after
-//             Tighter bounding volumes       -> collect_tight_bounds
+//             Tighter bounding volumes       -> TightBounds::collect
 //             Render queue                   -> CullFrame::draw_leaf / flush_draws
 //             Depth-only pass                -> Options::depth_only_pass
 // Deviations  The head of the listing is lost in the printed text; it is rebuilt from the prose:
@@ -36,6 +36,7 @@
 #include <occlude/cull/culler.h>
 #include <occlude/cull/distance_queue.h>
 #include <occlude/cull/fifo.h>
+#include <occlude/cull/tight_bounds.h>
 
 #include <array>
 #include <cstdint>
@@ -60,8 +61,10 @@ struct ChcPlusPlusOptions {
     uint32_t assume_visible_frames = 10;
     /// Randomises the first test of a leaf that turned visible; false: after n_av frames.
     bool jitter = true;
-    /// d_max: how many levels below a node its tight bounds may come from. 0: its own box only.
-    uint32_t tight_bounds_depth = 3;
+    /// d_max: how many levels below a node its tight bounds may come from. 0: its own box only. The
+    /// paper takes 3, where boxes are nearly free; where each costs like dozens of triangles (software
+    /// OpenGL) 1 is faster: docs/algorithms/chc_plus_plus.md has the figures.
+    uint32_t tight_bounds_depth = 1;
     /// s_max: the tight bounds' area is at most this many times the node's.
     float tight_bounds_area = 1.4f;
     /// Virtual leaves of the hierarchy count as leaves; false: only nodes without children do.
@@ -126,7 +129,6 @@ private:
     void add_node_test(CullFrame& frame, NodeId node);
     void add_test(CullFrame& frame, uint32_t first, uint32_t count);
     void submit(CullFrame& frame);
-    void collect_tight_bounds(NodeId node);
 
     ChcPlusPlusOptions options_;
     std::vector<NodeState> states_;
@@ -149,8 +151,7 @@ private:
     std::vector<Candidate> candidates_;
     std::vector<double> keep_;
     std::vector<Ticket> tickets_;
-    std::vector<NodeId> tight_;
-    std::vector<NodeId> tight_next_;
+    TightBounds tight_bounds_;
 };
 
 /// Names of the options for the registry; see registry.h.

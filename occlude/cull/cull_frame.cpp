@@ -73,9 +73,9 @@ bool CullFrame::near(NodeId node) const
 }
 
 void CullFrame::draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask,
-                           Decision decision)
+                           Decision decision, DecisionLog::Scope scope)
 {
-    culler_.decisions_.add(node, decision);
+    culler_.decisions_.add(node, decision, scope);
     const bool has_flags = hierarchy_.has_flags();
     for (uint32_t i = first; i < first + count; ++i) {
         const ItemBounds& bounds = hierarchy_.item_bounds()[i];
@@ -93,14 +93,14 @@ void CullFrame::draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMas
 void CullFrame::draw_leaf(NodeId leaf, PlaneMask mask, Decision decision)
 {
     const Node& n = hierarchy_.node(leaf);
-    draw_range(leaf, n.first_item, n.subtree_items, mask, decision);
+    draw_range(leaf, n.first_item, n.subtree_items, mask, decision, DecisionLog::Scope::subtree);
 }
 
 void CullFrame::draw_own(NodeId node, PlaneMask mask, Decision decision)
 {
     const Node& n = hierarchy_.node(node);
     if (n.own_items > 0) {
-        draw_range(node, n.first_item, n.own_items, mask, decision);
+        draw_range(node, n.first_item, n.own_items, mask, decision, DecisionLog::Scope::own_items);
     }
 }
 

@@ -130,7 +130,8 @@ public:
     void finish();
 
 private:
-    void draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask, Decision decision);
+    void draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask, Decision decision,
+                    DecisionLog::Scope scope);
     void start_never_culled();
     bool set_aside(uint32_t position);
     void queue(uint32_t position);

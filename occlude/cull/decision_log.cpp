@@ -32,11 +32,15 @@ std::string_view to_string(Decision decision)
 // The items that an entry speaks for.
 static std::span<const ItemId> items_of(const Hierarchy& hierarchy, const DecisionLog::Entry& entry)
 {
-    if (entry.item.valid()) {
+    switch (entry.scope) {
+    case DecisionLog::Scope::one_item:
         return {&entry.item, 1};
+    case DecisionLog::Scope::own_items:
+        return hierarchy.own_items(entry.node);
+    case DecisionLog::Scope::subtree:
+        break;
     }
-    const bool own_only = is_drawn(entry.decision) && !hierarchy.is_leaf(entry.node);
-    return own_only ? hierarchy.own_items(entry.node) : hierarchy.subtree_items(entry.node);
+    return hierarchy.subtree_items(entry.node);
 }
 
 std::vector<Decision> DecisionLog::by_item(const Hierarchy& hierarchy) const

@@ -33,22 +33,30 @@ constexpr bool is_drawn(Decision decision)
 
 class DecisionLog {
 public:
+    /// What of a node a decision speaks for.
+    enum class Scope : uint8_t {
+        subtree,   ///< all items of the node and below
+        own_items, ///< the items of an inner node itself
+        one_item,  ///< the item that the entry names
+    };
     struct Entry {
         NodeId node;
         Decision decision;
-        ItemId item = {}; ///< valid: the decision speaks of this item of `node` alone
+        Scope scope = Scope::subtree;
+        ItemId item = {}; ///< with Scope::one_item
     };
 
     void clear() { entries_.clear(); }
-    void add(NodeId node, Decision decision) { entries_.push_back({node, decision, {}}); }
+    void add(NodeId node, Decision decision, Scope scope = Scope::subtree)
+    {
+        entries_.push_back({node, decision, scope, {}});
+    }
     void add(NodeId owner, ItemId item, Decision decision)
     {
-        entries_.push_back({owner, decision, item});
+        entries_.push_back({owner, decision, Scope::one_item, item});
     }
 
-    /// In the order they were made. `outside`, `hidden` and `hidden_group` speak for the whole
-    /// subtree; the others for a leaf, or for the own items of an inner node; all of them for one
-    /// item where the entry names it.
+    /// In the order they were made.
     std::span<const Entry> entries() const { return entries_; }
 
     /// One decision per item, indexed by ItemId. O(items).

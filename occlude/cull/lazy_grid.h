@@ -21,7 +21,8 @@
 //             can be too near; here the part of the box's rectangle in the cell is tested at depth
 //             znear itself. A cell that a query found free remembers at which depth. Boxes that the
 //             near plane may touch are visible (rule R1). Both traversals test the frustum when a
-//             box enters the list (Fig. 6), not when it leaves it (Fig. 4). Sec. 6 adds the areas
+//             box enters the list (Fig. 6), not when it leaves it (Fig. 4). Tests that need pixels
+//             are made several at a time (tests_at_once; 1 is the paper). Sec. 6 adds the areas
 //             of primitives up; here the rectangles of drawn boxes.
 // Guarantees  exact, with every option: a box is hidden only if, in this frame, all pixels of its
 //             screen rectangle were seen to be nearer than its nearest depth. Needs no history, so
@@ -76,7 +77,7 @@ struct LazyGridOptions {
     /// Tests that need pixels wait until this many do, and are then made against the same depth:
     /// fewer changes from drawing to looking, and hidden boxes just behind each other are found
     /// less often. 1: each test at once, as in the paper.
-    uint32_t tests_at_once = 1;
+    uint32_t tests_at_once = 8;
     /// A cell that must be asked counts as free, unasked, while the rectangles of the boxes drawn
     /// into it add up to less than this share of its area. 0: off.
     double free_below_covered = 0.0;

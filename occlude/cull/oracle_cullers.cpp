@@ -18,11 +18,11 @@ void Opt::cull_frame(CullFrame& frame)
         PlaneMask mask = Frustum::kAllPlanes;
         if (!is_drawn(entry.decision)) {
             frame.decide(entry.node, entry.decision);
-        } else if (hierarchy().is_leaf(entry.node)) {
+        } else if (entry.scope == DecisionLog::Scope::own_items) {
+            frame.draw_own(entry.node, mask, Decision::drawn);
+        } else {
             frame.visit(entry.node, mask);
             frame.draw_leaf(entry.node, mask, Decision::drawn);
-        } else {
-            frame.draw_own(entry.node, mask, Decision::drawn);
         }
     }
 }

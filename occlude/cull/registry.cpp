@@ -1,10 +1,13 @@
 #include <occlude/cull/registry.h>
 
+#include <occlude/cull/batch_and_wait.h>
 #include <occlude/cull/chc.h>
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/lazy_grid.h>
+#include <occlude/cull/next_frame.h>
 #include <occlude/cull/oracle_cullers.h>
+#include <occlude/cull/prioritized.h>
 #include <occlude/cull/statistical.h>
 #include <occlude/cull/stop_and_wait.h>
 #include <occlude/cull/two_level.h>
@@ -192,10 +195,21 @@ std::vector<AlgorithmInfo> make_table()
     table.push_back(describe<UniformGrid, UniformGridOptions>(
         "uniform_grid", "Hillesland, Salomon, Lastra, Manocha 2002",
         "tests the cells of a uniform or nested grid of its own, slab by slab", tests));
+    table.push_back(describe<Prioritized, PrioritizedOptions>(
+        "prioritized", "Klosowski, Silva 2000; Correa, Klosowski, Silva 2003",
+        "draws the cells with least matter before them until a budget is spent", tests));
+    table.back().exact = PrioritizedOptions{}.finish;
     table.push_back(describe<TwoLevel, TwoLevelCullOptions>(
         "two_level", "Kovalcik, Tobola (two-level BSP)",
         "for moving objects: boxes apart on the screen are tested in parallel, visible ones rarely",
         tests));
+    table.push_back(describe<BatchAndWait, BatchAndWaitOptions>(
+        "batch_and_wait", "Sekulic 2004, 29.3",
+        "tests objects near to far, n queries and then n results", tests));
+    table.push_back(describe<NextFrame, NextFrameOptions>(
+        "next_frame", "Sekulic 2004, 29.4",
+        "draws objects by the answers of the last frame: never stalls, pops for a frame", tests));
+    table.back().exact = false;
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(

@@ -37,7 +37,7 @@ struct TwoPhaseOptions {
     bool refine = true;
     /// Read depth again when so many newly visible triangles wait to be drawn in phase 2, before
     /// more is tested. 0: never.
-    uint64_t reread_triangles = 32768;
+    uint64_t reread_triangles = 16384;
     /// Choose the visible set of the next frame by the depth of the finished frame, read back once
     /// more, instead of that of phase 1.
     bool final_depth = false;

@@ -30,7 +30,7 @@ struct BspOptions {
     /// A node this far below the root is not split further; at most 64.
     uint32_t max_depth = 48;
     /// Nodes with at most this many triangles become virtual leaves. 0: no virtual leaves.
-    uint32_t leaf_triangles = 4096;
+    uint32_t leaf_triangles = 1024;
 };
 
 /// A BSP tree over items 0 .. items.size()-1. A node has up to two children, that of the low side

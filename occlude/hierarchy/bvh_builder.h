@@ -20,7 +20,7 @@ struct BvhOptions {
     uint32_t max_leaf_items = 1;
     /// Nodes with at most this many triangles become virtual leaves. The measured default; see
     /// docs/hierarchy.md. 0: no virtual leaves.
-    uint32_t leaf_triangles = 4096;
+    uint32_t leaf_triangles = 1024;
     /// Candidate planes per axis, plus one: 2 to 32.
     uint32_t bins = 16;
 };

@@ -24,7 +24,7 @@ struct GridOptions {
     /// Grids in grids at most so deep; at most 32. Items that are still together share a leaf.
     uint32_t max_depth = 16;
     /// Nodes with at most this many triangles become virtual leaves. 0: no virtual leaves.
-    uint32_t leaf_triangles = 4096;
+    uint32_t leaf_triangles = 1024;
 };
 
 /// A grid over items 0 .. items.size()-1. Empty and unbounded boxes are allowed: they are items of

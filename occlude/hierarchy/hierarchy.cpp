@@ -180,14 +180,10 @@ Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> it
     result.item_bounds_ = std::move(item_bounds);
     result.structure_version_ = next_structure_version();
 
-    for (uint32_t i = 0; i < result.item_bounds_.size(); ++i) {
-        ItemBounds& item = result.item_bounds_[i];
+    for (ItemBounds& item : result.item_bounds_) {
         item.box = sanitized(item.box);
-        if (has_flag(item.flags, kDrawnOutOfTurn) && i < result.items_.size()) {
-            result.flagged_.push_back({result.items_[i], i});
-        }
     }
-    std::sort(result.flagged_.begin(), result.flagged_.end());
+    result.collect_flagged();
     const std::span<Node> all = result.nodes_;
     if (!all.empty()) {
         all[0].parent = NodeId{};
@@ -209,10 +205,7 @@ Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> it
         }
     }
     OCCLUDE_VALIDATE(check_structure(result));
-    for (size_t id = all.size(); id-- > 0;) {
-        all[id].subtree_triangles = triangle_sum(all[id], all, result.item_bounds_);
-        all[id].box = merged_box(all[id], all, result.item_bounds_);
-    }
+    result.refit_nodes();
     return result;
 }
 
@@ -237,23 +230,47 @@ void Hierarchy::set_virtual_leaves(uint32_t triangles)
     }
 }
 
-void Hierarchy::refit_boxes()
+void Hierarchy::refit_nodes()
 {
+    // Backward, so that children are finished before their parents.
     for (size_t id = nodes_.size(); id-- > 0;) {
+        nodes_[id].subtree_triangles = triangle_sum(nodes_[id], nodes_, item_bounds_);
         nodes_[id].box = merged_box(nodes_[id], nodes_, item_bounds_);
     }
 }
 
+void Hierarchy::collect_flagged()
+{
+    flagged_.clear();
+    for (uint32_t i = 0; i < std::min(items_.size(), item_bounds_.size()); ++i) {
+        if (has_flag(item_bounds_[i].flags, kDrawnOutOfTurn)) {
+            flagged_.push_back({items_[i], i});
+        }
+    }
+    std::sort(flagged_.begin(), flagged_.end());
+}
+
 void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
 {
+    bool flags_changed = false;
     for (size_t i = 0; i < items_.size(); ++i) {
+        ItemBounds& item = item_bounds_[i];
         const bool known = items_[i].value < bounds_by_item.size();
         OCCLUDE_ASSERT(known, "refit() needs the bounds of every item in the hierarchy");
-        item_bounds_[i].box =
-            known ? sanitized(bounds_by_item[items_[i].value].box) : Aabb::everything();
+        if (!known) {
+            item.box = Aabb::everything();
+            continue;
+        }
+        const ItemFlags old_flags = item.flags;
+        item = bounds_by_item[items_[i].value];
+        item.box = sanitized(item.box);
+        flags_changed = flags_changed || item.flags != old_flags;
+    }
+    if (flags_changed) {
+        collect_flagged();
     }
     two_level_ = {}; // nobody said how the objects moved
-    refit_boxes();
+    refit_nodes();
     OCCLUDE_VALIDATE(validate(*this));
 }
 

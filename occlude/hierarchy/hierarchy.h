@@ -130,9 +130,11 @@ public:
     /// its children keep apart. Takes a new structure version. O(nodes).
     void set_virtual_leaves(uint32_t triangles);
 
-    /// Takes new bounds of all items, indexed by ItemId, and refits all boxes bottom-up, keeping
-    /// the structure, the virtual leaves, the triangle counts and the flags. An item beyond the end of
-    /// `bounds_by_item` becomes unbounded (and is a caller's bug). O(items + nodes).
+    /// Takes new boxes, triangle counts and flags of all items, indexed by ItemId, and refits all
+    /// nodes bottom-up, keeping the structure and the virtual leaves. An item with an empty box is
+    /// never drawn: so objects can vanish, and their ids be given to others, without a new structure.
+    /// An item beyond the end of `bounds_by_item` becomes unbounded and keeps the rest (and is a
+    /// caller's bug). O(items + nodes).
     void refit(std::span<const ItemBounds> bounds_by_item);
 
     /// What a two-level tree knows of its nodes; empty for other trees, and after refit().
@@ -155,7 +157,8 @@ public:
                                  std::vector<ItemBounds> item_bounds);
 
 private:
-    void refit_boxes();
+    void refit_nodes();
+    void collect_flagged();
 
     std::vector<Node> nodes_;
     std::vector<ItemId> items_;

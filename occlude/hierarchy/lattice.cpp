@@ -5,11 +5,11 @@
 
 namespace occlude {
 
-static glm::uvec3 cells_along(const glm::dvec3& extent, double cell_size)
+static glm::uvec3 cells_along(const glm::dvec3& extent, double cube)
 {
     glm::uvec3 count{1};
     for (int axis = 0; axis < 3; ++axis) {
-        const double cells = std::ceil(extent[axis] / cell_size);
+        const double cells = std::ceil(extent[axis] / cube);
         count[axis] = static_cast<uint32_t>(
             std::clamp(cells, 1.0, static_cast<double>(Lattice::kMaxPerAxis)));
     }
@@ -27,12 +27,13 @@ Lattice Lattice::over(const Aabb& box, uint64_t cells)
     }
     // Smaller cubes by a tenth each time, until there are enough.
     constexpr double kStep = 0.9;
-    lattice.cell_size = longest;
-    lattice.count = cells_along(extent, lattice.cell_size);
-    while (lattice.cell_count() < cells && lattice.cell_size * kMaxPerAxis > longest) {
-        lattice.cell_size *= kStep;
-        lattice.count = cells_along(extent, lattice.cell_size);
+    double cube = longest;
+    lattice.count = cells_along(extent, cube);
+    while (lattice.cell_count() < cells && cube * kMaxPerAxis > longest) {
+        cube *= kStep;
+        lattice.count = cells_along(extent, cube);
     }
+    lattice.cell_size = extent / glm::dvec3{lattice.count};
     return lattice;
 }
 
@@ -40,8 +41,8 @@ glm::uvec3 Lattice::cell(const glm::vec3& point) const
 {
     glm::uvec3 cell{0};
     for (int axis = 0; axis < 3; ++axis) {
-        const double position =
-            cell_size > 0.0 ? (double{point[axis]} - low[axis]) / cell_size : 0.0;
+        const double offset = double{point[axis]} - low[axis];
+        const double position = cell_size[axis] > 0.0 ? offset / cell_size[axis] : 0.0;
         const double last = static_cast<double>(count[axis] - 1);
         cell[axis] = static_cast<uint32_t>(std::clamp(position, 0.0, last));
     }

@@ -1,4 +1,4 @@
-// A lattice of cubic cells over a box: which cell a point is in.
+// A lattice of nearly cubic cells over a box: which cell a point is in.
 #pragma once
 
 #include <occlude/core/aabb.h>
@@ -7,15 +7,14 @@
 
 namespace occlude {
 
-/// Cells are cubes of one size, as many along each axis as the box needs: an axis along which the
-/// box is flat has one.
+/// Cells of one size that fill the box, nearly cubes; an axis along which the box is flat has one.
 struct Lattice {
     glm::dvec3 low{0.0};
-    double cell_size = 0.0;
+    glm::dvec3 cell_size{0.0};
     glm::uvec3 count{1}; ///< cells along each axis
 
-    /// At least `cells` of the largest cubes, or one where the box is a point. At most
-    /// kMaxPerAxis along each axis. Precondition: `box` is bounded.
+    /// At least `cells` cells, few more, or one where the box is a point. At most kMaxPerAxis along
+    /// each axis. Precondition: `box` is bounded.
     static Lattice over(const Aabb& box, uint64_t cells);
 
     /// The cell of a point, the nearest one if it is outside.
@@ -24,6 +23,13 @@ struct Lattice {
     uint64_t index(const glm::uvec3& cell) const
     {
         return (uint64_t{cell.z} * count.y + cell.y) * count.x + cell.x;
+    }
+    /// The cell of an index.
+    glm::uvec3 at(uint64_t index) const
+    {
+        return {static_cast<uint32_t>(index % count.x),
+                static_cast<uint32_t>(index / count.x % count.y),
+                static_cast<uint32_t>(index / count.x / count.y)};
     }
     uint64_t cell_count() const { return uint64_t{count.x} * count.y * count.z; }
 

@@ -83,6 +83,17 @@ TEST(DecisionLog, ItemsOfAHiddenNodeAreHidden)
     EXPECT_EQ(log.by_item(tree), expected);
 }
 
+TEST(DecisionLog, ADecisionMaySpeakOfANodesOwnItemsOrOfOneItemAlone)
+{
+    const Hierarchy tree = test::row_tree(2);
+    DecisionLog log;
+    log.add(NodeId{1u}, Decision::drawn, DecisionLog::Scope::own_items); // it has none
+    log.add(NodeId{2u}, ItemId{3u}, Decision::drawn);
+    const std::vector<Decision> expected{Decision::undecided, Decision::undecided,
+                                         Decision::undecided, Decision::drawn};
+    EXPECT_EQ(log.by_item(tree), expected);
+}
+
 TEST(DecisionLog, TheHashIgnoresOrderAndGroupingButNotTheDecision)
 {
     const Hierarchy tree = test::row_tree(2);

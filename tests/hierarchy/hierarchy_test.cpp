@@ -192,13 +192,14 @@ TEST(Hierarchy, StructureVersionChangesWithTheStructureOnly)
     EXPECT_NE(Parts{}.build().structure_version(), Hierarchy{}.structure_version());
 }
 
-TEST(Hierarchy, RefitTakesNewBoxesByItemIdAndKeepsTheRest)
+TEST(Hierarchy, RefitTakesNewBoxesCountsAndFlagsByItemIdAndKeepsTheStructure)
 {
     Hierarchy tree = Parts{}.build();
     tree.set_virtual_leaves(111);
     std::vector<ItemBounds> moved = by_item(tree);
     moved[2].box = {glm::vec3{50.0f}, glm::vec3{51.0f}};
-    moved[2].triangles = 77; // counts stay
+    moved[2].triangles = 77; // the id is another object's now
+    moved[2].flags = ItemFlags::translucent;
     moved[3].box = Aabb::empty();
     moved[4].box.max.z = kNan;
     tree.refit(moved);
@@ -206,7 +207,10 @@ TEST(Hierarchy, RefitTakesNewBoxesByItemIdAndKeepsTheRest)
     EXPECT_EQ(tree.node(NodeId{5u}).box, moved[2].box);
     EXPECT_EQ(tree.node(NodeId{2u}).box, (Aabb{glm::vec3{0.0f}, glm::vec3{51.0f}}));
     EXPECT_EQ(tree.node(NodeId{1u}).box, Aabb::everything());
-    EXPECT_EQ(tree.node(NodeId{5u}).subtree_triangles, 100u);
+    EXPECT_EQ(tree.node(NodeId{5u}).subtree_triangles, 77u);
+    ASSERT_EQ(tree.flagged_items().size(), 1u);
+    EXPECT_EQ(tree.flagged_items()[0].item, ItemId{2u});
+    EXPECT_EQ(tree.items()[tree.flagged_items()[0].position], ItemId{2u});
     EXPECT_TRUE(tree.is_leaf(NodeId{2u}));
 }
 

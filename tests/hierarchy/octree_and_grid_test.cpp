@@ -94,17 +94,17 @@ TEST(OctreeBuilder, TheDepthLimitMakesLargerLeaves)
 
 TEST(GridBuilder, OccupiedCellsAreChildrenOfTheRoot)
 {
-    // Sixteen items in a row, four cells asked for: 4.7 wide (15 * 0.9^11), with 5, 5, 5 and 1.
+    // Centres from 0 to 15, four cells asked for: 3.75 wide.
     std::vector<ItemBounds> items;
     for (int i = 0; i < 16; ++i) {
         items.push_back(cube(static_cast<float>(i), 0, 0));
     }
     const Hierarchy tree =
-        build_grid(items, {.items_per_cell = 4, .max_leaf_items = 5, .leaf_triangles = 0});
-    expect_good(tree, items, 5);
+        build_grid(items, {.items_per_cell = 4, .max_leaf_items = 4, .leaf_triangles = 0});
+    expect_good(tree, items, 4);
     EXPECT_EQ(tree.node(tree.root()).child_count, 4u);
     EXPECT_EQ(tree.nodes().size(), 5u);
-    EXPECT_EQ(subtree(tree, 1), (std::vector<uint32_t>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(subtree(tree, 1), (std::vector<uint32_t>{0, 1, 2, 3}));
 }
 
 TEST(GridBuilder, AFullCellIsAGridAgain)
@@ -124,12 +124,13 @@ TEST(GridBuilder, AFullCellIsAGridAgain)
     EXPECT_EQ(flat.nodes().size(), 3u);
 }
 
-TEST(Lattice, CellsAreCubesAndFlatAxesHaveOne)
+TEST(Lattice, CellsFillTheBoxAndFlatAxesHaveOne)
 {
     const Lattice lattice = Lattice::over({{0, 0, 0}, {8, 0, 4}}, 32);
     EXPECT_EQ(lattice.count.y, 1u);
     EXPECT_GE(lattice.cell_count(), 32u);
     EXPECT_LE(lattice.cell_count(), 60u);
+    EXPECT_DOUBLE_EQ(lattice.cell_size.x * lattice.count.x, 8.0);
     EXPECT_EQ(lattice.cell({0, 0, 0}), (glm::uvec3{0, 0, 0}));
     EXPECT_EQ(lattice.cell({8, 0, 4}), lattice.count - 1u);
     EXPECT_EQ(lattice.cell({-5, 90, 2}).x, 0u); // outside: the nearest

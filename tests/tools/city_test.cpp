@@ -260,7 +260,7 @@ TEST(Generators, AreListedWithTheirParameters)
             load_scene(info.name == "city" ? "city:blocks=2,triangles=100k" : info.name);
         EXPECT_TRUE(model) << info.name;
     }
-    EXPECT_EQ(names, (std::set<std::string>{"boxes", "city"}));
+    EXPECT_EQ(names, (std::set<std::string>{"blobs", "boxes", "city", "movers"}));
 }
 
 TEST(Boxes, AreAsManyAsAskedForAndFollowTheirSeed)

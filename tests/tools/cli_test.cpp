@@ -210,6 +210,19 @@ TEST(Cli, VerifyWalksASmoothPathAndOneWithJumpsAndExitsWithZero)
     EXPECT_EQ(outcome.out.find("DIFFERS"), std::string::npos);
 }
 
+TEST(Cli, MovingScenesAreVerifiedOnEveryHierarchyAndSaidToMove)
+{
+    const std::string scene = "movers:count=60,triangles=2k";
+    for (const char* hierarchy : {"bvh", "bsp", "octree", "grid"}) {
+        const Outcome outcome = run(small({"verify", scene, "--frames", "20", "--leaf-triangles",
+                                           "50", "--hierarchy", hierarchy, "--repeat", "2"}));
+        EXPECT_EQ(outcome.code, 0) << hierarchy << outcome.err << outcome.out;
+    }
+    const Outcome info = run(small({"info", scene}));
+    EXPECT_NE(info.out.find("60, moving, 15 of them appear and vanish"), std::string::npos)
+        << info.out;
+}
+
 TEST(Cli, RenderWritesPngFilesOfTheSizeAskedFor)
 {
     const std::string scene = scene_file();

@@ -143,6 +143,31 @@ TEST(Loader, KeepsInstancesOfGltfAsOneMesh)
         load_scene(folder.write("two.gltf", two_instances_gltf(R"(,"uri":"tri.bin")"))));
 }
 
+TEST(Loader, TakesOpacityFromMaterials)
+{
+    const TempFolder folder;
+    folder.write("none.mtl", "newmtl glass\nKd 0.2 0.4 0.8\nd 0.4\n");
+    std::string obj = kQuadObj;
+    obj.insert(obj.find("f 1"), "usemtl glass\n");
+    const auto quad = load_scene(folder.write("quad.obj", obj));
+    ASSERT_TRUE(quad) << quad.error().message;
+    EXPECT_FLOAT_EQ(quad->instances[0].opacity, 0.4f);
+    EXPECT_TRUE(
+        has_flag(make_cull_scene(*quad).scene.item_flags(ItemId{0u}), ItemFlags::translucent));
+
+    // glTF blends only in one of its modes.
+    folder.write("tri.bin", triangle_buffer());
+    std::string gltf = two_instances_gltf(R"(,"uri":"tri.bin")");
+    gltf.replace(gltf.find("0.125,1]"), 8, "0.125,0.3]");
+    const auto solid = load_scene(folder.write("solid.gltf", gltf));
+    ASSERT_TRUE(solid) << solid.error().message;
+    EXPECT_EQ(solid->instances[0].opacity, 1.0f);
+    gltf.replace(gltf.find("\"materials\":[{"), 14, "\"materials\":[{\"alphaMode\":\"BLEND\",");
+    const auto glass = load_scene(folder.write("glass.gltf", gltf));
+    ASSERT_TRUE(glass) << glass.error().message;
+    EXPECT_FLOAT_EQ(glass->instances[0].opacity, 0.3f);
+}
+
 TEST(Loader, KeepsInstancesOfGlbAsOneMesh)
 {
     const TempFolder folder;

@@ -45,6 +45,7 @@ public:
     void set_item_colors(std::span<const glm::vec4>) override {}
     void draw_lines(const View&, std::span<const glm::vec3>, glm::vec4, bool) override {}
     void update_transforms(std::span<const glm::mat4>) override {}
+    void update_items(std::span<const SceneModel::Item>) override {}
 
     Capture drawn(std::vector<ItemId> items)
     {

@@ -62,9 +62,9 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
                        size_t frames)
 {
     return {.scene = session.model().name,
-            .objects = session.scene().scene.object_count(),
+            .objects = session.model().instances.size(),
             .items = session.scene().items.size(),
-            .triangles = session.scene().scene.triangle_count(),
+            .triangles = drawn_triangles(session.model()),
             .device = session.device_name(),
             .api = session.renderer().api(),
             .renderer = session.renderer().renderer_name(),

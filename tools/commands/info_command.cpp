@@ -74,6 +74,17 @@ double hierarchy_mebibytes(const Hierarchy& hierarchy)
     return static_cast<double>(bytes) / (1024.0 * 1024.0);
 }
 
+std::string objects_text(const SceneModel& model)
+{
+    const auto& motions = model.motion.instances;
+    const auto passing = std::count_if(motions.begin(), motions.end(),
+                                       [](const InstanceMotion& m) { return m.period > 0; });
+    const std::string count = grouped(model.instances.size());
+    return model.motion.empty() ? count
+                                : fmt::format("{}, moving, {} of them appear and vanish", count,
+                                              grouped(static_cast<uint64_t>(passing)));
+}
+
 std::string contents_text(Session& session)
 {
     const SceneModel& model = session.model();
@@ -81,9 +92,9 @@ std::string contents_text(Session& session)
     const Aabb bounds = world_bounds(model);
     const TreeShape shape = tree_shape(hierarchy);
     const std::vector<std::vector<std::string>> rows = {
-        {"objects", grouped(session.scene().scene.object_count())},
+        {"objects", objects_text(model)},
         {"items", grouped(session.scene().items.size())},
-        {"triangles", grouped(session.scene().scene.triangle_count())},
+        {"triangles", grouped(drawn_triangles(model))},
         {"unique triangles", grouped(unique_triangles(model))},
         {"bounds",
          fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", bounds.min.x,
@@ -105,6 +116,7 @@ Occlusion sample_occlusion(Session& session, std::span<const View> views, Progre
     Occlusion sum;
     const Stage stage = session.stage();
     for (size_t frame = 0; frame < views.size(); ++frame) {
+        set_frame(stage, frame);
         const std::vector<ItemId> items = items_in_frustum(views[frame], stage.item_bounds);
         const std::vector<ItemId> owners =
             owners_of_pixels(stage.renderer.render_ids(views[frame], items));

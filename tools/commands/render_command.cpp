@@ -123,9 +123,10 @@ Result<std::unique_ptr<Culler>> make_chosen_culler(Session& session, const Rende
     return contenders->front().make(session.hierarchy());
 }
 
-void cull_frame(Session& session, Culler& culler, const View& view)
+void cull_frame(Session& session, Culler& culler, const View& view, size_t frame)
 {
     const Stage stage = session.stage();
+    set_frame(stage, frame);
     std::vector<ItemId> owners;
     if (needs_answer(culler)) {
         const std::vector<ItemId> items = items_in_frustum(view, stage.item_bounds);
@@ -142,7 +143,7 @@ Result<int> render_frames(Session& session, Culler& culler, std::span<const Came
     Progress progress{streams.err, streams.watcher, "rendering " + session.model().name};
     const size_t start = plan.frames.first - std::min(plan.frames.first, kLeadIn);
     for (size_t frame = start; frame <= plan.frames.last; ++frame) {
-        cull_frame(session, culler, make_view(cameras[frame], options.stage.size));
+        cull_frame(session, culler, make_view(cameras[frame], options.stage.size), frame);
         if (frame < plan.frames.first) {
             continue;
         }

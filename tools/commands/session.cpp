@@ -59,13 +59,42 @@ Session::Session(SceneModel model, const StageOptions& options)
     , scene_(make_cull_scene(model_))
 {
     if (options.hierarchy == kTwoLevel) { // knows of objects, not only of items
-        two_level_ = std::make_unique<TwoLevelScene>(
-            TwoLevelOptions{.leaf_triangles = options.leaf_triangles});
+        two_level_ = std::make_unique<TwoLevelScene>(two_level_options());
         two_level_->sync(scene_.scene);
     } else {
-        hierarchy_ = find_hierarchy_kind(options.hierarchy)
-                         ->build(scene_.scene.item_bounds(), options.leaf_triangles);
+        hierarchy_ = build(scene_.scene.item_bounds());
     }
+}
+
+TwoLevelOptions Session::two_level_options() const
+{
+    return {.leaf_triangles = options_.leaf_triangles};
+}
+
+void Session::make_motion()
+{
+    if (model_.motion.empty()) {
+        return;
+    }
+    motion_ = two_level_
+                  ? std::make_unique<MotionPlayer>(model_, scene_, *two_level_, two_level_options(),
+                                                   *renderer_)
+                  : std::make_unique<MotionPlayer>(model_, scene_, hierarchy_, *renderer_,
+                                                   [this](auto items) { return build(items); });
+}
+
+Hierarchy Session::build(std::span<const ItemBounds> items) const
+{
+    return find_hierarchy_kind(options_.hierarchy)->build(items, options_.leaf_triangles);
+}
+
+Stage Session::stage()
+{
+    Stage stage{hierarchy(), scene_.scene.item_bounds(), *renderer_};
+    if (motion_) {
+        stage.go_to = [this](size_t frame) { motion_->go_to(frame); };
+    }
+    return stage;
 }
 
 Result<bool> Session::make_renderer(std::ostream& notes)
@@ -112,6 +141,7 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
     if (const auto made = session->make_renderer(notes); !made) {
         return made.error();
     }
+    session->make_motion();
     return session;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "commands/options.h"
+#include "measure/motion_player.h"
 #include "measure/stage.h"
 
 #include <occlude/scene/two_level_scene.h>
@@ -26,7 +27,9 @@ public:
     const std::string& device_name() const { return device_name_; }
     const StageOptions& options() const { return options_; }
 
-    Stage stage() { return {hierarchy(), scene_.scene.item_bounds(), *renderer_}; }
+    /// Valid as long as the session. If the scene moves, set_frame() changes the session's scene,
+    /// hierarchy and renderer.
+    Stage stage();
 
     /// The cameras of a path, with near and far chosen. Never empty.
     Result<std::vector<Camera>> cameras(const std::string& path) const;
@@ -39,6 +42,9 @@ public:
 private:
     Session(SceneModel model, const StageOptions& options);
     Result<bool> make_renderer(std::ostream& notes);
+    TwoLevelOptions two_level_options() const;
+    void make_motion();
+    Hierarchy build(std::span<const ItemBounds> items) const;
 
     StageOptions options_;
     SceneModel model_;
@@ -47,6 +53,7 @@ private:
     std::unique_ptr<TwoLevelScene> two_level_; ///< instead of hierarchy_, if that was chosen
     std::unique_ptr<SceneRenderer> renderer_;
     std::string device_name_;
+    std::unique_ptr<MotionPlayer> motion_; ///< null: nothing moves
 };
 
 /// Errors for choices that this version does not have. Costs nothing: call it before loading.

@@ -71,6 +71,7 @@ private:
         const size_t count = std::min(kWarmUpFrames, views_.size());
         for (size_t i = 0; i < count; ++i) {
             const size_t frame = i * views_.size() / count;
+            set_frame(stage_, frame);
             find_owners(frame);
             for (const auto& culler : cullers_) {
                 record_answer(*culler, views_[frame], stage_.renderer.device(), owners_[frame]);
@@ -81,6 +82,7 @@ private:
 
     void walk_frame(size_t frame, size_t repeat)
     {
+        set_frame(stage_, frame);
         if (repeat == 0) {
             find_owners(frame);
         }

@@ -3,7 +3,8 @@
 //
 // One timed frame is: finish; start; cull(); finish; stop. Everything else (telling `opt` and
 // `ideal` the answer, the id buffer, hashes) happens outside of it. Each algorithm has its own
-// culler, so no algorithm sees another's frames.
+// culler, so no algorithm sees another's frames. Where things move, all algorithms see the same state
+// of a frame, and every repeat plays the motion from its beginning.
 #pragma once
 
 #include "measure/run.h"

@@ -20,7 +20,18 @@ struct Stage {
     const Hierarchy& hierarchy;
     std::span<const ItemBounds> item_bounds; ///< indexed by ItemId
     SceneRenderer& renderer;
+    /// Brings all of these to a frame of the scene's motion (MotionPlayer::go_to); empty if nothing
+    /// moves.
+    std::function<void(size_t frame)> go_to = {};
 };
+
+/// Brings a stage to a frame of its motion, for all algorithms alike: outside of timed sections.
+inline void set_frame(const Stage& stage, size_t frame)
+{
+    if (stage.go_to) {
+        stage.go_to(frame);
+    }
+}
 
 /// An algorithm with its options, ready to be made as often as needed.
 struct Contender {

@@ -208,6 +208,7 @@ Result<std::vector<AlgorithmRun>> verify(const Stage& stage, std::span<const Con
                     [](const std::unique_ptr<Culler>& culler) { return needs_answer(*culler); });
     for (size_t frame = 0; frame < views.size(); ++frame) {
         const View& view = views[frame];
+        set_frame(stage, frame);
         const std::vector<ItemId> items = items_in_frustum(view, stage.item_bounds);
         std::vector<ItemId> owners;
         if (answer_needed) {

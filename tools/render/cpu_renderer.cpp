@@ -101,6 +101,12 @@ void CpuModelScene::set_transforms(std::span<const glm::mat4> world_from_mesh)
     std::copy_n(world_from_mesh.begin(), count, world_from_mesh_.begin());
 }
 
+void CpuModelScene::set_items(std::span<const SceneModel::Item> items)
+{
+    const size_t count = std::min(items.size(), items_.size());
+    std::copy_n(items.begin(), count, items_.begin());
+}
+
 std::array<glm::vec3, 3> CpuModelScene::triangle(ItemId item, uint32_t triangle) const
 {
     const CpuItem drawn = this->item(item);
@@ -277,6 +283,11 @@ void CpuRenderer::draw_lines(const View& view, std::span<const glm::vec3> points
 void CpuRenderer::update_transforms(std::span<const glm::mat4> world_from_mesh)
 {
     scene_.set_transforms(world_from_mesh);
+}
+
+void CpuRenderer::update_items(std::span<const SceneModel::Item> items)
+{
+    scene_.set_items(items);
 }
 
 Result<std::unique_ptr<SceneRenderer>>

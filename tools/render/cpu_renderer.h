@@ -21,6 +21,8 @@ public:
 
     /// Takes over as many transforms as there are; indexed by instance.
     void set_transforms(std::span<const glm::mat4> world_from_mesh);
+    /// Takes over what as many items draw.
+    void set_items(std::span<const SceneModel::Item> items);
 
     /// Corners of a triangle of an item, world space. Precondition: it exists.
     std::array<glm::vec3, 3> triangle(ItemId item, uint32_t triangle) const;
@@ -61,6 +63,7 @@ public:
     void draw_lines(const View& view, std::span<const glm::vec3> points, glm::vec4 color,
                     bool on_top) override;
     void update_transforms(std::span<const glm::mat4> world_from_mesh) override;
+    void update_items(std::span<const SceneModel::Item> items) override;
 
 private:
     struct LineFragment {

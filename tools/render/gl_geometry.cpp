@@ -52,23 +52,7 @@ GlGeometry::GlGeometry(const SceneModel& model, std::span<const SceneModel::Item
     , indirect_(sizeof(Command), kFirstCommands)
 {
     upload_meshes(model);
-
-    std::vector<uint32_t> first_index;
-    std::vector<int32_t> base_vertex;
-    uint32_t index_count = 0;
-    int32_t vertex_count = 0;
-    for (const Mesh& mesh : model.meshes) {
-        first_index.push_back(index_count);
-        base_vertex.push_back(vertex_count);
-        index_count += static_cast<uint32_t>(mesh.indices.size());
-        vertex_count += static_cast<int32_t>(mesh.positions.size());
-    }
-    for (const SceneModel::Item& item : items) {
-        const uint32_t mesh = model.instances[item.instance].mesh;
-        const MeshPart& part = model.meshes[mesh].parts[item.part];
-        item_commands_.push_back({part.index_count, 1, first_index[mesh] + part.first_index,
-                                  base_vertex[mesh], item.instance});
-    }
+    update_items(model, items);
     std::vector<Row> rows;
     for (const Instance& instance : model.instances) {
         rows.push_back({affine_rows(instance.world_from_mesh),
@@ -78,11 +62,25 @@ GlGeometry::GlGeometry(const SceneModel& model, std::span<const SceneModel::Item
     make_row_buffer(instance_rows_, std::move(rows));
 }
 
+void GlGeometry::update_items(const SceneModel& model, std::span<const SceneModel::Item> items)
+{
+    item_commands_.clear();
+    for (const SceneModel::Item& item : items) {
+        const uint32_t mesh = model.instances[item.instance].mesh;
+        const MeshPart& part = model.meshes[mesh].parts[item.part];
+        item_commands_.push_back({part.index_count, 1, mesh_places_[mesh].index + part.first_index,
+                                  mesh_places_[mesh].vertex, item.instance});
+    }
+    item_rows_ = {};
+}
+
 void GlGeometry::upload_meshes(const SceneModel& model)
 {
     size_t vertex_count = 0;
     size_t index_count = 0;
     for (const Mesh& mesh : model.meshes) {
+        mesh_places_.push_back(
+            {static_cast<uint32_t>(index_count), static_cast<int32_t>(vertex_count)});
         vertex_count += mesh.positions.size();
         index_count += mesh.indices.size();
     }

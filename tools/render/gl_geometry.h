@@ -33,6 +33,9 @@ public:
 
     void update_transforms(std::span<const glm::mat4> world_from_mesh);
 
+    /// What each item draws, by ItemId. Precondition: `model` is the one that was uploaded.
+    void update_items(const SceneModel& model, std::span<const SceneModel::Item> items);
+
     /// One colour per item for draws with Rows::item; empty gives items the colour of their
     /// instance.
     void set_item_colors(std::span<const glm::vec4> colors);
@@ -63,6 +66,12 @@ private:
         std::vector<Row> rows;
     };
 
+    // Where a mesh begins in the buffers.
+    struct MeshPlace {
+        uint32_t index = 0;
+        int32_t vertex = 0;
+    };
+
     void upload_meshes(const SceneModel& model);
     void make_row_buffer(RowBuffer& made, std::vector<Row> rows);
     void make_item_rows();
@@ -73,6 +82,7 @@ private:
     gl::GlBuffer vertices_;
     gl::GlBuffer indices_;
     gl::GlStreamBuffer indirect_;
+    std::vector<MeshPlace> mesh_places_; ///< by mesh
     RowBuffer instance_rows_;
     RowBuffer item_rows_;                ///< made when needed
     std::vector<Command> item_commands_; ///< by ItemId, with the row of the item's instance

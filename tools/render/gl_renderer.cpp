@@ -2,6 +2,8 @@
 
 #include "render/gl_shaders.h"
 
+#include <occlude/core/assert.h>
+
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
@@ -78,10 +80,12 @@ public:
     void draw_lines(const View& view, std::span<const glm::vec3> points, glm::vec4 color,
                     bool on_top) override;
     void update_transforms(std::span<const glm::mat4> world_from_mesh) override;
+    void update_items(std::span<const SceneModel::Item> items) override;
 
 private:
     GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const SceneModel& model,
                std::span<const SceneModel::Item> items, int gl_version);
+    void find_translucent(std::span<const SceneModel::Item> items);
     Result<bool> make_parts(glm::ivec2 size, int samples, const GlRendererOptions& options);
 
     void begin_frame(const View& view) override;
@@ -100,6 +104,7 @@ private:
     void use_camera(const gl::GlProgram& program) const;
 
     std::unique_ptr<gl::HeadlessContext> context_; // first: everything below dies in it
+    const SceneModel& model_;
     int gl_version_ = 0;
     glm::vec3 toward_light_{0.0f, 1.0f, 0.0f};
     size_t item_count_ = 0;
@@ -118,6 +123,7 @@ private:
 GlRenderer::GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const SceneModel& model,
                        std::span<const SceneModel::Item> items, int gl_version)
     : context_(std::move(context))
+    , model_(model)
     , gl_version_(gl_version)
     , toward_light_(direction_toward_light(model.up))
     , item_count_(items.size())
@@ -125,19 +131,25 @@ GlRenderer::GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const Scene
     , line_vertices_(gl::GlVertexArray::make())
     , line_points_(sizeof(glm::vec3), 4096)
 {
-    const auto blended = [&](const SceneModel::Item& item) {
-        return model.instances[item.instance].opacity < 1.0f;
-    };
-    if (std::any_of(items.begin(), items.end(), blended)) {
-        for (const SceneModel::Item& item : items) {
-            translucent_.push_back(blended(item));
-        }
-    }
+    find_translucent(items);
     glBindVertexArray(line_vertices_.name());
     glBindBuffer(GL_ARRAY_BUFFER, line_points_.name());
     glEnableVertexAttribArray(0);
     glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
     glBindVertexArray(0);
+}
+
+void GlRenderer::find_translucent(std::span<const SceneModel::Item> items)
+{
+    const auto blended = [&](const SceneModel::Item& item) {
+        return model_.instances[item.instance].opacity < 1.0f;
+    };
+    translucent_.clear();
+    if (std::any_of(items.begin(), items.end(), blended)) {
+        for (const SceneModel::Item& item : items) {
+            translucent_.push_back(blended(item));
+        }
+    }
 }
 
 Result<bool> GlRenderer::make_parts(glm::ivec2 size, int samples, const GlRendererOptions& options)
@@ -403,6 +415,14 @@ void GlRenderer::update_transforms(std::span<const glm::mat4> world_from_mesh)
 {
     context_->make_current();
     geometry_.update_transforms(world_from_mesh);
+}
+
+void GlRenderer::update_items(std::span<const SceneModel::Item> items)
+{
+    OCCLUDE_ASSERT(items.size() == item_count_, "update_items(): the number of items is fixed");
+    context_->make_current();
+    geometry_.update_items(model_, items);
+    find_translucent(items);
 }
 
 } // namespace

@@ -71,6 +71,10 @@ public:
 
     /// Takes over new transforms after objects moved; indexed by instance.
     virtual void update_transforms(std::span<const glm::mat4> world_from_mesh) = 0;
+
+    /// Takes over what each item draws after ids were given to other objects; as many items as when
+    /// the renderer was made, all of them in its model.
+    virtual void update_items(std::span<const SceneModel::Item> items) = 0;
 };
 
 /// A renderer with OpenGL in a surfaceless EGL context (llvmpipe where there is no GPU). `model`

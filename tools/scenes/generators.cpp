@@ -2,6 +2,7 @@
 #include "scenes/boxes_generator.h"
 #include "scenes/city_generator.h"
 #include "scenes/exact_split.h"
+#include "scenes/moving_generators.h"
 #include "scenes/scene_source.h"
 
 #include <fmt/format.h>
@@ -134,21 +135,65 @@ Result<SceneModel> make_boxes(std::string_view source, std::string_view text,
     return generate_boxes(boxes, options);
 }
 
+/// `count`, `seed` and `triangles` into an options struct of a scene that moves.
+template <class Options>
+std::optional<Error> parse_moving(std::string_view source, std::string_view text,
+                                  uint64_t most_triangles, Options& options)
+{
+    uint64_t count = options.count;
+    const std::array parameters{
+        Parameter{"count", &count, 1, 1000000},
+        Parameter{"seed", &options.seed, 0, 1000000000000},
+        Parameter{"triangles", &options.triangles, 12, most_triangles},
+    };
+    auto problem = parse_parameters(source, text, parameters);
+    options.count = static_cast<uint32_t>(count);
+    return problem;
+}
+
+Result<SceneModel> make_movers(std::string_view source, std::string_view text,
+                               const SceneOptions& options)
+{
+    MoversOptions movers;
+    if (const auto problem = parse_moving(source, text, 200000000, movers)) {
+        return *problem;
+    }
+    return generate_movers(movers, options);
+}
+
+Result<SceneModel> make_blobs(std::string_view source, std::string_view text,
+                              const SceneOptions& options)
+{
+    BlobsOptions blobs;
+    if (const auto problem = parse_moving(source, text, 1000000, blobs)) {
+        return *problem;
+    }
+    return generate_blobs(blobs, options);
+}
+
 struct Generator {
     GeneratorInfo info;
     Result<SceneModel> (*make)(std::string_view source, std::string_view parameters,
                                const SceneOptions& options);
 };
 
-const std::array<Generator, 2>& registry()
+const std::array<Generator, 4>& registry()
 {
-    static const std::array<Generator, 2> kGenerators{
+    static const std::array<Generator, 4> kGenerators{
         Generator{{"city", "blocks=16,seed=1,triangles=10m",
                    "streets between blocks of buildings with windows, balconies, roofs and street "
                    "furniture; blocks: per side"},
                   make_city},
         Generator{{"boxes", "count=1000,seed=1", "boxes at random places in a cube of 100 m"},
                   make_boxes},
+        Generator{{"movers", "count=2000,seed=1,triangles=500k",
+                   "boxes, slabs and lumps that fly and tumble in a cube of 70 m; one in four "
+                   "appears and vanishes; triangles: of all together"},
+                  make_movers},
+        Generator{{"blobs", "count=300,seed=1,triangles=70k",
+                   "interpenetrating blobs that move straight in a crowd, as the bunnies of the "
+                   "literature do; triangles: of each"},
+                  make_blobs},
     };
     return kGenerators;
 }

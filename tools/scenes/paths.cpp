@@ -122,6 +122,10 @@ std::vector<Keyframe> walk_keys(const SceneModel& model, size_t frame_count)
 
 std::vector<Keyframe> auto_keys(const SceneModel& model, size_t frame_count)
 {
+    if (!model.motion.empty()) { // no floors: what stands anywhere now is elsewhere later
+        const SceneModel::NamedPath* orbit = find_named(model, "orbit");
+        return orbit != nullptr ? orbit->keys : orbit_keys(model);
+    }
     std::vector<Keyframe> keys = walk_keys(model, frame_count);
     return keys.empty() ? orbit_keys(model) : keys;
 }

@@ -1,6 +1,8 @@
 // A scene with its triangles, as files and generators make it and renderers draw it.
 #pragma once
 
+#include "scenes/motion.h"
+
 #include <occlude/core/aabb.h>
 #include <occlude/core/ids.h>
 #include <occlude/scene/camera_path.h>
@@ -55,6 +57,8 @@ struct SceneModel {
         std::vector<Keyframe> keys;
     };
     std::vector<NamedPath> paths;
+    /// How the instances move from frame to frame of a path; empty if they stand still.
+    Motion motion;
 
     /// What one item draws.
     struct Item {
@@ -63,7 +67,7 @@ struct SceneModel {
     };
 };
 
-/// Bounds of all instances, world space.
+/// Bounds of all instances in all frames, world space.
 Aabb world_bounds(const SceneModel& model);
 
 /// Triangles of all instances.
@@ -77,5 +81,8 @@ struct CullScene {
     std::vector<SceneModel::Item> items;
 };
 CullScene make_cull_scene(const SceneModel& model);
+
+/// The items of one instance as Scene::add() takes them, one per part of its mesh.
+std::vector<ItemDesc> item_descriptions(const SceneModel& model, uint32_t instance);
 
 } // namespace occlude::tools

@@ -1,0 +1,179 @@
+// How much of a light is seen, for the brightness of its lens flare.
+//
+// Implements  D. Sekulic, "Efficient Occlusion Culling", GPU Gems, 2004, section 29.8.2: a block of
+//             pixels at the place and depth of the light, tested against the depth buffer, and
+//             the fraction that passed, read in the next frame.
+// Map         "render a block of pixels"         -> make_flare_disc, FlareVisibility::end_frame
+//             "read its result in the next one"  -> FlareVisibility::begin_frame
+//             "modulate the brightness"          -> FlareVisibility::brightness
+// Deviations  The block is a disc, cut into strips of one pixel row each, so that its pixels are
+//             those whose centres lie in the disc. What passes is divided by what the same strips
+//             count before anything is drawn, not by a number of pixels: devices count flat boxes
+//             twice, samples several times, and this holds for all of them. The part of the disc
+//             beside the screen counts as hidden, as the chapter's pixels that are not rendered
+//             do: a flare fades out while its light leaves the screen, and does not pop.
+// Guarantees  fraction() is the share of the disc's pixels that were nearer than everything drawn
+//             when the tests were issued, one frame before; with multisampling, of its samples
+//             on the screen. Devices without exact counts (DeviceCaps::exact_counts) tell all or
+//             nothing: then the smoothing does the fading.
+// Cost        two tests per light that is on the screen, in two batches per frame, with one box per
+//             row of pixels.
+#pragma once
+
+#include <occlude/core/query_device.h>
+#include <occlude/core/view.h>
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace occlude {
+
+struct FlareLight {
+    /// w = 1: a place in the world. w = 0: a direction toward a light at infinity, such as the sun;
+    /// it lies behind everything. (In orthographic views the latter is never seen.)
+    glm::vec4 position_world{0.0f, 0.0f, 0.0f, 1.0f};
+    float radius_px = 8.0f; ///< of the disc; at least 0.75 is taken, so that it covers a pixel
+};
+
+/// The radius in pixels of a ball of `radius_world` at `position_world`, at least `smallest` and at
+/// most `largest`: "the number of pixels to test can be determined from the size on screen".
+float flare_radius_px(const View& view, const glm::vec3& position_world, float radius_world,
+                      float smallest, float largest);
+
+/// A light's disc on the screen, as boxes in a plane through the light that is parallel to the
+/// screen.
+struct FlareDisc {
+    glm::mat4 world_from_disc{1.0f}; ///< pixels relative to the disc's centre -> world; z is 0
+    std::vector<Aabb> strips;        ///< flat, disjoint, cut off at the edge of the screen
+    double on_screen = 0.0;          ///< the share of the disc's pixels that are on the screen
+    bool touches_near = false;       ///< must not be tested: nothing can stand before it
+};
+
+/// The disc of a light; without strips if it is behind the eye or beside the screen. At most
+/// kMaxFlareStrips strips, so that those of larger discs are several pixels high.
+FlareDisc make_flare_disc(const View& view, const FlareLight& light);
+constexpr int kMaxFlareStrips = 64;
+
+struct FlareOptions {
+    /// The time in which brightness() goes 63% of the way to a new fraction(), in units of `clock`.
+    /// 0: at once.
+    double fade_time = 2.0;
+    /// Anything that ascends; by default it counts frames.
+    std::function<double()> clock = {};
+    /// Answers that are not there after so many frames are waited for.
+    uint32_t max_latency = 3;
+};
+
+/// Measures several lights at once. Within the frame of an engine that draws by itself:
+///
+///   device.begin_frame(view);
+///   flares.begin_frame(view, device);   // answers of the last frame; reference counts
+///   ... all opaque draws ...
+///   flares.end_frame(device);           // the tests of this frame
+///   device.end_frame();
+///
+/// With a Culler, which has the whole frame to itself, give it a FlareDevice.
+class FlareVisibility {
+public:
+    explicit FlareVisibility(FlareOptions options = {})
+        : options_(std::move(options))
+    {
+    }
+
+    /// The lights from the next frame on. Light i goes on fading where light i was, so keep their
+    /// order; new ones are dark until their first answer.
+    void set_lights(std::span<const FlareLight> lights);
+
+    void begin_frame(const View& view, QueryDevice& device);
+    void end_frame(QueryDevice& device);
+
+    /// Forgets what was seen: for a camera cut. All lights are dark, and the first answer counts at
+    /// once.
+    void reset();
+
+    size_t light_count() const { return lights_.size(); }
+    /// The visible share of the light's disc, 0 to 1, in the last frame that was answered.
+    double fraction(size_t light) const { return lights_[light].fraction; }
+    /// The same, smoothed; after the first answer it never jumps.
+    double brightness(size_t light) const { return lights_[light].brightness; }
+
+private:
+    struct Light {
+        FlareLight light = {};
+        double fraction = 0.0;
+        double brightness = 0.0;
+        bool measured = false;
+    };
+    /// What is on its way for one light.
+    struct Measurement {
+        FlareDisc disc = {};
+        Ticket reference = {};
+        Ticket test = {};
+        Answer reference_answer = Answer::pending();
+        Answer test_answer = Answer::pending();
+        bool issued = false; ///< has tickets
+    };
+
+    void collect(QueryDevice& device);
+    void finish_measurement(Light& light, const Measurement& measurement) const;
+    void fade(double elapsed);
+    bool collect_boxes();
+    void issue(QueryDevice& device, Ticket Measurement::*ticket);
+
+    FlareOptions options_;
+    std::vector<Light> lights_;
+    std::vector<Measurement> measurements_; ///< by light; empty when nothing is on its way
+    std::vector<QueryBox> boxes_;
+    std::vector<uint32_t> ends_;
+    std::vector<Ticket> tickets_;
+    uint64_t frame_ = 0;
+    uint64_t issued_frame_ = 0;
+    double last_time_ = 0.0;
+    bool measures_this_frame_ = false;
+};
+
+/// Passes everything through to a device, and measures flares at both ends of each frame.
+class FlareDevice final : public QueryDevice {
+public:
+    /// Keeps references.
+    FlareDevice(QueryDevice& inner, FlareVisibility& flares)
+        : inner_(inner)
+        , flares_(flares)
+    {
+    }
+
+    const DeviceCaps& caps() const override { return inner_.caps(); }
+    void begin_frame(const View& view) override
+    {
+        inner_.begin_frame(view);
+        flares_.begin_frame(view, inner_);
+    }
+    void draw(std::span<const ItemId> items, DrawPass pass) override { inner_.draw(items, pass); }
+    void query(const QueryBatch& batch, std::span<Ticket> tickets) override
+    {
+        inner_.query(batch, tickets);
+    }
+    Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override
+    {
+        return inner_.draw_and_query(items, pass);
+    }
+    void flush() override { inner_.flush(); }
+    Answer poll(Ticket ticket) override { return inner_.poll(ticket); }
+    Answer wait(Ticket ticket) override { return inner_.wait(ticket); }
+    bool read_depth(const PixelRect& rect, std::span<float> out) override
+    {
+        return inner_.read_depth(rect, out);
+    }
+    void end_frame() override
+    {
+        flares_.end_frame(inner_);
+        inner_.end_frame();
+    }
+
+private:
+    QueryDevice& inner_;
+    FlareVisibility& flares_;
+};
+
+} // namespace occlude

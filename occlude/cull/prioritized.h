@@ -1,0 +1,124 @@
+// Prioritized-layered projection: the cells with least matter before them first, until the budget
+// is spent; then, on demand, the conservative finish by occlusion tests.
+//
+// Implements  J. T. Klosowski, C. T. Silva, "The Prioritized-Layered Projection Algorithm for
+//             Visible Set Estimation", IEEE TVCG 6(2), 2000, and "Efficient Conservative
+//             Visibility Culling Using the Prioritized-Layered Projection Algorithm", IEEE TVCG
+//             7(4), 2001 (cPLP), as followed up by W. T. Correa, J. T. Klosowski, C. T. Silva,
+//             "Visibility-Based Prefetching for Interactive Out-Of-Core Rendering", 2003.
+// Map         the front, a queue of cells by solidity    -> Prioritized::draw_by_solidity
+//             what a cell hands on to its neighbours     -> Prioritized::spread
+//             the finish of cPLP                         -> Prioritized::finish_by_tests
+// Deviations  Cells are those of a regular grid, not of a tetrahedral mesh or octree. The solidity
+//             of a cell is the least sum of densities over all ways of cells from the eye to it,
+//             where density is the cell's triangles over those of the fullest cell; the papers
+//             weigh faces by the view direction. cPLP tests the cells of its front and goes on from
+//             the visible ones; here all remaining occupied cells are tested, by the box around
+//             what is in them, in batches: never more tests than occupied cells.
+// Guarantees  approximate, with nothing promised of what is missing; exact with `finish`, as then
+//             every item in the frustum is drawn, or all its cells were found hidden in this frame.
+// Cost        the budget, in triangles or in units of the clock, overrun by at most a cell or by
+//             `chunk_triangles`. One step per cell of the grid, empty ones included. With
+//             `finish`, one test per cell that the budget left out, and what they reveal.
+#pragma once
+
+#include <occlude/cull/cell_grid.h>
+#include <occlude/cull/cull_frame.h>
+#include <occlude/cull/culler.h>
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace occlude {
+
+struct PrioritizedOptions {
+    /// Triangles to draw per frame before the finish; 0: no limit.
+    uint64_t budget_triangles = 100000;
+    /// Clock units to draw per frame before the finish; 0, or without a clock: no limit.
+    double budget_time = 0.0;
+    /// Draw what the budget left out and tests find visible (cPLP): exact.
+    bool finish = false;
+    /// Triangles per cell, on average: the size of cells.
+    uint64_t cell_triangles = 4096;
+    /// Draw and look at the clock after so many triangles. Only with a time budget.
+    uint64_t chunk_triangles = 8192;
+    /// Cells tested together by the finish.
+    uint32_t batch_size = 50;
+};
+
+class Prioritized final : public Culler {
+public:
+    /// `clock` gives a time that rises; any unit. What it measures is the time to issue draws,
+    /// which is the time to draw only where the device draws at once or the clock asks it.
+    explicit Prioritized(const Hierarchy& hierarchy, PrioritizedOptions options = {},
+                         std::function<double()> clock = {})
+        : Culler(hierarchy)
+        , options_(options)
+        , clock_(std::move(clock))
+    {
+    }
+
+    /// Occupied cells in the order in which the last frame drew them; for tests and pictures.
+    std::span<const uint32_t> cells_drawn() const { return cells_drawn_; }
+    const CellGrid& grid() const { return grid_; }
+
+private:
+    /// A cell of the lattice, occupied or not, that waits in the front.
+    struct Front {
+        double solidity;
+        double distance; ///< of its centre from the eye's cell, in cells
+        uint64_t index;
+    };
+    struct Remaining {
+        float distance;
+        uint32_t cell;
+    };
+
+    void cull_frame(CullFrame& frame) override;
+    void reset_state() override { seen_stamp_.clear(); }
+    Guarantee guarantee() const override;
+
+    void prepare(const CullFrame& frame);
+    void draw_by_solidity(CullFrame& frame);
+    void spread(const Front& from, const glm::uvec3& eye_cell);
+    static bool comes_later(const Front& a, const Front& b);
+    void push(const Front& entry);
+    Front pop();
+    bool spent(CullFrame& frame);
+    void draw_cell(CullFrame& frame, uint32_t cell, Decision decision);
+    bool any_left(const CullFrame& frame, const CellGrid::Cell& cell) const;
+    void finish_by_tests(CullFrame& frame);
+    void test_batch(CullFrame& frame);
+    void note_hidden(CullFrame& frame);
+
+    PrioritizedOptions options_;
+    std::function<double()> clock_;
+    CellGrid grid_;
+    std::vector<uint32_t> cell_at_;    ///< per index in the lattice: the occupied cell, or kNone
+    std::vector<double> solidity_;     ///< per index in the lattice: the least found so far
+    uint64_t fullest_ = 1;             ///< triangles of the fullest cell
+    std::vector<Front> front_;         ///< a heap, the least solid on top
+    std::vector<uint32_t> seen_stamp_; ///< per place: the last frame that drew or decided it
+    std::vector<uint32_t> cells_drawn_;
+    std::vector<Remaining> remaining_;
+    std::vector<uint32_t> hidden_;
+    TestBatch batch_;
+    std::vector<Ticket> tickets_;
+    std::vector<uint32_t> tested_;
+    uint64_t triangles_ = 0; ///< drawn and queued in this frame
+    double start_ = 0.0;
+};
+
+template <class Visit>
+void visit_options(PrioritizedOptions& o, Visit&& visit)
+{
+    visit("budget_triangles", o.budget_triangles, "triangles per frame; 0 is no limit");
+    visit("budget_time", o.budget_time, "clock units per frame; 0, or without a clock, no limit");
+    visit("finish", o.finish, "draw what tests find visible beyond the budget: exact");
+    visit("cell_triangles", o.cell_triangles, "triangles per cell on average: the size of cells");
+    visit("chunk_triangles", o.chunk_triangles, "triangles between two looks at the clock");
+    visit("batch_size", o.batch_size, "cells tested together by the finish");
+}
+
+} // namespace occlude

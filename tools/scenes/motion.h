@@ -1,0 +1,43 @@
+// How the instances of a scene move: a description from which the state of any frame follows.
+#pragma once
+
+#include <occlude/core/aabb.h>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace occlude::tools {
+
+/// What one instance does, counted in frames from its placement in the scene at frame 0.
+struct InstanceMotion {
+    glm::vec3 velocity{0.0f}; ///< of its origin: world units per frame
+    /// Turns about its origin: the axis, as long as the tangent of half the angle per frame.
+    glm::vec3 spin{0.0f};
+    /// It exists in the first `present` frames of every `period`; period 0: always.
+    uint32_t period = 0;
+    uint32_t present = 0;
+    uint32_t phase = 0; ///< how much of a period is over at frame 0
+};
+
+struct Motion {
+    /// Origins move within this box, in straight lines, and bounce off its faces; along an axis on
+    /// which it has no extent they do not move. It holds the origins at frame 0.
+    Aabb box;
+    std::vector<InstanceMotion> instances; ///< one per instance; empty: nothing moves
+
+    bool empty() const { return instances.empty(); }
+};
+
+/// Where an instance is in a frame, whether it exists or not: at frame 0 exactly `world_from_mesh`.
+/// From sums, products, square roots and exact remainders only, so the same on every machine.
+glm::mat4 moved(const InstanceMotion& motion, const Aabb& box, const glm::mat4& world_from_mesh,
+                size_t frame);
+
+/// Whether an instance exists in a frame.
+bool exists(const InstanceMotion& motion, size_t frame);
+
+} // namespace occlude::tools
