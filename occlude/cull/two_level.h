@@ -44,9 +44,9 @@ struct TwoLevelCullOptions {
     /// How many of its last results a node remembers: 1 to 32.
     uint32_t history_length = 8;
     /// The test of a visible node is postponed by this many frames for each "visible" among them ...
-    uint32_t frames_per_visible = 4;
+    uint32_t frames_per_visible = 6;
     /// ... up to this many. 0: every node is tested in every frame.
-    uint32_t max_postponed = 32;
+    uint32_t max_postponed = 48;
     /// Nodes that stayed hidden are tested last, when everything else is drawn, and several in one
     /// test where that is likely to pay (the multiqueries of CHC++). false: as the paper has it.
     bool multiqueries = true;

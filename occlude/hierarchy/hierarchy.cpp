@@ -276,9 +276,9 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
 
 void Hierarchy::set_two_level(TwoLevelNodes nodes)
 {
-    const bool complete = nodes.empty() ||
-                          (nodes.object.size() == nodes_.size() &&
-                           nodes.box.size() == nodes_.size() && nodes.key.size() == nodes_.size());
+    const bool complete =
+        nodes.empty() || (nodes.object.size() == nodes_.size() &&
+                          nodes.box.size() == nodes_.size() && nodes.key.size() == nodes_.size());
     OCCLUDE_ASSERT(complete, "a two-level tree says something of every node");
     two_level_ = complete ? std::move(nodes) : TwoLevelNodes{};
 }
