@@ -4,7 +4,7 @@
 // (the path is the only argument) and fails if a measured fraction is off by more than 2%.
 #include "flare_scene.h"
 
-#include "png.h"
+#include "render/image.h"
 
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/cull/chc_plus_plus.h>
@@ -15,7 +15,6 @@
 #include <glm/ext/matrix_transform.hpp>
 
 #include <cstdio>
-#include <fstream>
 
 using namespace occlude;
 using namespace occlude::lens_flare;
@@ -65,10 +64,9 @@ int main(int argument_count, char** arguments)
     }
     std::printf("the worst error in %d frames was %.2f%%\n", kFrames, 100.0 * worst);
     if (argument_count > 1) {
-        std::ofstream file(arguments[1], std::ios::binary);
-        file << tools::encode_png(image);
-        if (!file.flush()) {
-            std::fprintf(stderr, "cannot write %s\n", arguments[1]);
+        const auto written = tools::write_png(arguments[1], image);
+        if (!written) {
+            std::fprintf(stderr, "%s\n", written.error().message.c_str());
             return 2;
         }
     }
