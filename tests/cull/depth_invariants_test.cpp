@@ -4,7 +4,7 @@
 #include <occlude/core/projection.h>
 #include <occlude/cull/registry.h>
 
-#include "support/trees.h"
+#include "support/walks.h"
 
 #include <occlude/device/counting_device.h>
 #include <occlude/device/scripted_device.h>
@@ -25,14 +25,7 @@ struct Case {
 
 std::string name_of(const ::testing::TestParamInfo<Case>& info)
 {
-    std::string name = info.param.algorithm;
-    for (const auto& [option, value] : info.param.options) {
-        name += "_" + option + "_" + value;
-    }
-    for (char& c : name) {
-        c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-    }
-    return name;
+    return test::case_name(info.param.algorithm, info.param.options);
 }
 
 const std::vector<Case>& cases()

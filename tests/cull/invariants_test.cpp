@@ -5,8 +5,8 @@
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/registry.h>
 
-#include "support/trees.h"
 #include "support/visibility_script.h"
+#include "support/walks.h"
 
 #include <occlude/device/counting_device.h>
 #include <occlude/device/scripted_device.h>
@@ -29,14 +29,7 @@ struct Case {
 
 std::string name_of(const ::testing::TestParamInfo<Case>& info)
 {
-    std::string name = info.param.hierarchy + "_" + info.param.algorithm;
-    for (const auto& [option, value] : info.param.options) {
-        name += "_" + option + "_" + value;
-    }
-    for (char& c : name) {
-        c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-    }
-    return name;
+    return test::case_name(info.param.hierarchy + "_" + info.param.algorithm, info.param.options);
 }
 
 const std::vector<Case>& cases()
@@ -128,19 +121,6 @@ bool tiled_depth(uint64_t frame, const PixelRect& rect, std::span<float> out)
     return true;
 }
 
-// A camera that walks through the boxes, turns by 90 degrees and jumps.
-View camera(uint64_t frame)
-{
-    const float t = static_cast<float>(frame);
-    if (frame % 16 == 7) {
-        return test::look({-60.0f, 5.0f, 10.0f}, {60.0f, 0.0f, 0.0f}); // a jump
-    }
-    if (frame % 16 > 11) {
-        return test::look({0.0f, 0.0f, 60.0f - t}, {60.0f, 0.0f, 60.0f - t}); // 90 degrees
-    }
-    return test::look({0.0f, 0.0f, 60.0f - t}, {0.1f * t, 0.0f, -60.0f});
-}
-
 Latency random_latency(uint64_t seed, uint64_t test)
 {
     const uint64_t random = hash64(seed, test);
@@ -186,7 +166,7 @@ TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
                             }});
     const auto culler = make();
     for (frame_ = 0; frame_ < kFrames; ++frame_) {
-        culler->cull(camera(frame_), device);
+        culler->cull(test::rough_walk(frame_), device);
         ASSERT_EQ(scripted.outstanding(), 0u); // I2
     }
     EXPECT_EQ(violations, std::vector<std::string>{}); // I3 is C10, I5 is C5
@@ -200,7 +180,7 @@ TEST_P(QueryInvariants, EveryItemInTheFrustumIsDrawnOrCoveredByATestOfThisFrame)
     uint64_t hidden = 0;
     for (frame_ = 0; frame_ < kFrames; ++frame_) {
         device.clear_trace();
-        const View view = camera(frame_);
+        const View view = test::rough_walk(frame_);
         culler->cull(view, device);
         std::set<NodeId> asked; // nodes whose test, or whose group's test, found nothing
         std::map<Ticket, std::vector<NodeId>> tests;
@@ -250,7 +230,7 @@ TEST_P(Invariants, LatencyChangesWaitsNeverDecisions)
         const auto culler = make();
         std::vector<uint64_t> hashes;
         for (frame_ = 0; frame_ < kFrames; ++frame_) {
-            culler->cull(camera(frame_), device);
+            culler->cull(test::rough_walk(frame_), device);
             hashes.push_back(culler->decisions().hash(tree_, frame_));
         }
         return hashes;
@@ -271,7 +251,7 @@ TEST_P(Invariants, TheReportAgreesWithACountFromOutside)
     CountingDevice device(scripted, {.triangles_by_item = triangles});
     const auto culler = make();
     for (frame_ = 0; frame_ < kFrames; ++frame_) {
-        FrameCounters told = culler->cull(camera(frame_), device).counters;
+        FrameCounters told = culler->cull(test::rough_walk(frame_), device).counters;
         const FrameCounters& seen = device.frame();
         told.nodes_visited = 0; // only the algorithm can know these two
         told.cells_asked = 0;
@@ -294,7 +274,7 @@ TEST_P(QueryInvariants, LostAnswersOnlyMakeMoreVisible)
     const auto culler = make();
     uint64_t lost = 0;
     for (frame_ = 0; frame_ < kFrames; ++frame_) {
-        const View view = camera(frame_);
+        const View view = test::rough_walk(frame_);
         lost += culler->cull(view, scripted).counters.lost_answers;
         const std::set<ItemId> in_image(culler->drawn_items().begin(), culler->drawn_items().end());
         for (size_t i = 0; i < tree_.items().size(); ++i) {
@@ -316,7 +296,7 @@ TEST_P(Invariants, ADeviceWithoutAnswersInTheSameFrameDrawsEverything)
     ScriptedDevice device(slow);
     const auto culler = make();
     for (frame_ = 0; frame_ < 4; ++frame_) {
-        const View view = camera(frame_);
+        const View view = test::rough_walk(frame_);
         culler->cull(view, device);
         size_t in_frustum = 0;
         for (const ItemBounds& item : tree_.item_bounds()) {
@@ -350,7 +330,7 @@ TEST_P(Invariants, OddHierarchiesAreHarmless)
         const auto culler =
             std::move(make_culler(GetParam().algorithm, tree, GetParam().options).value());
         for (uint64_t frame = 0; frame < 3; ++frame) {
-            culler->cull(camera(frame), device);
+            culler->cull(test::rough_walk(frame), device);
         }
         EXPECT_EQ(violations, std::vector<std::string>{});
         // The unknown and the unbounded are always drawn.
@@ -379,11 +359,11 @@ TEST_P(Invariants, AResetForgetsEverything)
     for (int run = 0; run < 2; ++run) {
         device.clear_trace();
         frame_ = 0;
-        culler->cull(camera(0), device);
+        culler->cull(test::rough_walk(0), device);
         std::string text = device.trace_text();
         first_frames.push_back(text.substr(text.find('\n')));
         for (frame_ = 1; frame_ < 9; ++frame_) {
-            culler->cull(camera(frame_), device);
+            culler->cull(test::rough_walk(frame_), device);
         }
         culler->reset();
     }
