@@ -17,17 +17,17 @@
 //             what is in them, in batches: never more tests than occupied cells.
 // Guarantees  approximate, with nothing promised of what is missing; exact with `finish`, as then
 //             every item in the frustum is drawn, or all its cells were found hidden in this frame.
-// Cost        the budget, in triangles or in units of the clock, overrun by at most a cell or by
+// Cost        the budget, in triangles or in microseconds, overrun by at most a cell or by
 //             `chunk_triangles`. One step per cell of the grid, empty ones included. With
 //             `finish`, one test per cell that the budget left out, and what they reveal.
 #pragma once
 
 #include <occlude/cull/cell_grid.h>
+#include <occlude/cull/clock.h>
 #include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace occlude {
@@ -35,7 +35,7 @@ namespace occlude {
 struct PrioritizedOptions {
     /// Triangles to draw per frame before the finish; 0: no limit.
     uint64_t budget_triangles = 100000;
-    /// Clock units to draw per frame before the finish; 0, or without a clock: no limit.
+    /// Microseconds to draw per frame before the finish; 0, or without a clock: no limit.
     double budget_time = 0.0;
     /// Draw what the budget left out and tests find visible (cPLP): exact.
     bool finish = false;
@@ -49,10 +49,10 @@ struct PrioritizedOptions {
 
 class Prioritized final : public Culler {
 public:
-    /// `clock` gives a time that rises; any unit. What it measures is the time to issue draws,
-    /// which is the time to draw only where the device draws at once or the clock asks it.
+    /// What the clock measures is the time to issue draws, which is the time to draw only where the
+    /// device draws at once or the clock asks it.
     explicit Prioritized(const Hierarchy& hierarchy, PrioritizedOptions options = {},
-                         std::function<double()> clock = {})
+                         MicrosecondClock clock = {})
         : Culler(hierarchy)
         , options_(options)
         , clock_(std::move(clock))
@@ -93,7 +93,7 @@ private:
     void note_hidden(CullFrame& frame);
 
     PrioritizedOptions options_;
-    std::function<double()> clock_;
+    MicrosecondClock clock_;
     CellGrid grid_;
     std::vector<uint32_t> cell_at_;    ///< per index in the lattice: the occupied cell, or kNone
     std::vector<double> solidity_;     ///< per index in the lattice: the least found so far
@@ -114,7 +114,7 @@ template <class Visit>
 void visit_options(PrioritizedOptions& o, Visit&& visit)
 {
     visit("budget_triangles", o.budget_triangles, "triangles per frame; 0 is no limit");
-    visit("budget_time", o.budget_time, "clock units per frame; 0, or without a clock, no limit");
+    visit("budget_time", o.budget_time, "microseconds per frame; 0, or without a clock, no limit");
     visit("finish", o.finish, "draw what tests find visible beyond the budget: exact");
     visit("cell_triangles", o.cell_triangles, "triangles per cell on average: the size of cells");
     visit("chunk_triangles", o.chunk_triangles, "triangles between two looks at the clock");

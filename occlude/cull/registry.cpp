@@ -136,8 +136,8 @@ std::string apply_option(Options& options, const OptionValue& setting)
 }
 
 template <class CullerType, class Options>
-Result<std::unique_ptr<Culler>> make(const Hierarchy& hierarchy,
-                                     std::span<const OptionValue> values)
+Result<std::unique_ptr<Culler>>
+make(const Hierarchy& hierarchy, std::span<const OptionValue> values, const MicrosecondClock& clock)
 {
     Options options;
     for (const OptionValue& value : values) {
@@ -148,6 +148,9 @@ Result<std::unique_ptr<Culler>> make(const Hierarchy& hierarchy,
     }
     if constexpr (std::is_same_v<Options, NoOptions>) {
         return std::unique_ptr<Culler>{std::make_unique<CullerType>(hierarchy)};
+    } else if constexpr (std::is_constructible_v<CullerType, const Hierarchy&, Options,
+                                                 MicrosecondClock>) {
+        return std::unique_ptr<Culler>{std::make_unique<CullerType>(hierarchy, options, clock)};
     } else {
         return std::unique_ptr<Culler>{std::make_unique<CullerType>(hierarchy, options)};
     }
@@ -236,7 +239,8 @@ const AlgorithmInfo* find_algorithm(std::string_view name)
 }
 
 Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
-                                            std::span<const OptionValue> options)
+                                            std::span<const OptionValue> options,
+                                            const MicrosecondClock& clock)
 {
     const AlgorithmInfo* info = find_algorithm(name);
     if (info == nullptr) {
@@ -247,7 +251,7 @@ Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarc
         return Error{ErrorCode::not_found,
                      "there is no algorithm '" + std::string{name} + "'; there are " + names};
     }
-    auto culler = info->make(hierarchy, options);
+    auto culler = info->make(hierarchy, options, clock);
     if (!culler) {
         return Error{culler.error().code, info->name + ": " + culler.error().message};
     }

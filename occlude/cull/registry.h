@@ -3,6 +3,7 @@
 #pragma once
 
 #include <occlude/core/result.h>
+#include <occlude/cull/clock.h>
 #include <occlude/cull/culler.h>
 
 #include <memory>
@@ -36,8 +37,8 @@ struct AlgorithmInfo {
     bool exact = true; ///< with its default options
     Needs needs;
     std::vector<OptionInfo> options;
-    Result<std::unique_ptr<Culler>> (*make)(const Hierarchy&,
-                                            std::span<const OptionValue>) = nullptr;
+    Result<std::unique_ptr<Culler>> (*make)(const Hierarchy&, std::span<const OptionValue>,
+                                            const MicrosecondClock&) = nullptr;
 };
 
 /// All algorithms, in the order in which tables show them.
@@ -46,9 +47,11 @@ std::span<const AlgorithmInfo> algorithms();
 /// The algorithm of that name, or null.
 const AlgorithmInfo* find_algorithm(std::string_view name);
 
-/// A culler by name. Errors name the unknown algorithm or option and list what there is.
+/// A culler by name. Errors name the unknown algorithm or option and list what there is. `clock` is
+/// for the algorithms that measure; without one they go by counts and by what the device says.
 Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
-                                            std::span<const OptionValue> options = {});
+                                            std::span<const OptionValue> options = {},
+                                            const MicrosecondClock& clock = {});
 
 /// Cullers that must be told beforehand what is visible derive from this too: call record() with
 /// the frame's view before the frame is culled. `opt` finds the leaves by an exact stop-and-wait

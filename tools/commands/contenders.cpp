@@ -1,4 +1,5 @@
 #include "commands/contenders.h"
+#include "measure/timing_device.h"
 
 #include <occlude/cull/registry.h>
 
@@ -112,6 +113,7 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
     if (const auto checked = check_settings(sets, *chosen); !checked) {
         return checked.error();
     }
+    const MicrosecondClock microseconds = [clock = steady_clock()] { return 1e6 * clock(); };
     std::vector<Contender> contenders;
     for (const AlgorithmInfo& info : algorithms()) {
         if (!chosen->contains(info.name)) {
@@ -121,10 +123,10 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
         if (!settings) {
             return settings.error();
         }
-        contenders.push_back(
-            {info.name, [name = info.name, values = *settings](const Hierarchy& hierarchy) {
-                 return make_culler(name, hierarchy, values);
-             }});
+        contenders.push_back({info.name, [name = info.name, values = *settings,
+                                          microseconds](const Hierarchy& hierarchy) {
+                                  return make_culler(name, hierarchy, values, microseconds);
+                              }});
     }
     return contenders;
 }
