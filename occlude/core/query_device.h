@@ -69,6 +69,7 @@ struct DeviceCaps {
     uint32_t max_outstanding = 4096;
     std::vector<TestCost> methods = {}; ///< the test methods there are, the default first
     float us_per_triangle = 0.15f;
+    float us_per_item = 4.0f; ///< of a draw, besides its triangles
 };
 
 /// One box of a test. The box is in the space of `world_from_box`, or in world space if that is

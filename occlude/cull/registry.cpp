@@ -1,5 +1,6 @@
 #include <occlude/cull/registry.h>
 
+#include <occlude/cull/adaptive.h>
 #include <occlude/cull/batch_and_wait.h>
 #include <occlude/cull/chc.h>
 #include <occlude/cull/chc_plus_plus.h>
@@ -213,6 +214,11 @@ std::vector<AlgorithmInfo> make_table()
         "next_frame", "Sekulic 2004, 29.4",
         "draws objects by the answers of the last frame: never stalls, pops for a frame", tests));
     table.back().exact = false;
+    table.push_back(describe<Adaptive, AdaptiveOptions>(
+        "adaptive", "Guthe, Balazs, Klein 2006, with measured costs",
+        "measures what drawing and testing cost, and tests only what pays: never slower than "
+        "frustum",
+        {}));
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(
