@@ -30,7 +30,7 @@ constexpr uint32_t kRareProbe = 128;
 constexpr double kProbeGrain = 1.0 / 512.0;
 
 // One in so many entries that could be merged is tried in a frame.
-constexpr uint32_t kMergeOneIn = 8;
+constexpr uint32_t kMergeOneIn = 3;
 
 // The share of a view's history that one frame replaces.
 constexpr double kForget = 0.25;
@@ -38,6 +38,12 @@ constexpr double kForget = 0.25;
 // How the chance of being hidden follows the answers, and how low it can fall.
 constexpr double kShareStep = 1.0 / 64.0;
 constexpr double kLeastShare = 0.02;
+
+// Texels that the test of a box may look at, for each microsecond that drawing it costs: at some 10
+// ns each, a quarter of that. At most so many, and not at all for fewer than the last.
+constexpr double kTexelsPerUs = 25.0;
+constexpr double kMostTexels = 2048.0;
+constexpr double kLeastTexels = 16.0;
 
 // Below this much drawing a frame says nothing about the cost of drawing.
 constexpr double kLeastSample = 256.0;
@@ -167,7 +173,7 @@ TestMethod Adaptive::choose_method() const
     constexpr double kFewTests = 64.0;
     constexpr double kRounds = 1.5; // of tests on the device: some reveal others
     constexpr double kSwitch = 0.7; // a change of method starts from nothing
-    const double tests = std::max(tests_, kFewTests);
+    const double tests = std::max(tests_last_frame_, kFewTests);
     TestMethod best = method_;
     double best_us = costs_.has(method_) ? kSwitch * costs_.round(method_).of(tests) : 0.0;
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
@@ -188,6 +194,7 @@ TestMethod Adaptive::choose_method() const
 void Adaptive::start_frame(CullFrame& frame)
 {
     costs_.take_hints(frame.caps());
+    tests_last_frame_ = tests_;
     const TestMethod method = choose_method();
     if (method != method_) {
         method_ = method;
@@ -335,8 +342,23 @@ bool Adaptive::hidden(const CullFrame& frame, NodeId node)
         return false;
     }
     ++tests_;
-    const ScreenBounds bounds = project(frame.view(), hierarchy().node(node).box);
-    return bounds.valid && pyramid_.hides(bounds.rect, bounds.near_depth);
+    return hidden(node, project(frame.view(), hierarchy().node(node).box));
+}
+
+// By its rectangle, and where that does not hide it by the box itself: as many texels as cost a
+// part of what drawing would.
+bool Adaptive::hidden(NodeId node, const ScreenBounds& bounds) const
+{
+    if (!depth_known_ || !bounds.valid) {
+        return false;
+    }
+    if (pyramid_.hides(bounds.rect, bounds.near_depth)) {
+        return true;
+    }
+    const Node& n = hierarchy().node(node);
+    const double texels = std::min(kTexelsPerUs * costs_.draw_us(n), kMostTexels);
+    return texels >= kLeastTexels &&
+           pyramid_.hides(ScreenBox{screen_, n.box}, bounds.rect, static_cast<uint32_t>(texels));
 }
 
 // Reads the depth of all that is drawn so far, and learns from the time that took what drawing
@@ -363,6 +385,9 @@ bool Adaptive::read_depth(CullFrame& frame)
         costs_.drew(units - units_at_read_, std::max(read - started_us_ - read_us, 0.0));
     }
     units_at_read_ = units;
+    screen_ = ScreenSpace{frame.view(), frame.caps().samples_at_pixel_centers
+                                            ? SamplePositions::center
+                                            : SamplePositions::anywhere};
     started_us_ = now();
     return true;
 }
@@ -412,7 +437,7 @@ void Adaptive::reveal(CullFrame& frame)
             continue;
         }
         const double queued_us =
-            costs_.us_per_unit() * static_cast<double>(frame.queued_triangles());
+            costs_.us_per_unit() * costs_.units(frame.queued_triangles(), frame.queued_items());
         if (frame.caps().read_depth && queued_us > read_after_us_ && read_depth(frame)) {
             const double saved_us = costs_.us_per_unit() * (hidden_units_ - hidden_at_read);
             if (saved_us < costs_.round(TestMethod::pyramid).us_per_round) {
@@ -457,7 +482,7 @@ void Adaptive::test_candidates(CullFrame& frame)
     for (size_t i = 0; i < candidates_.size(); ++i) {
         Candidate& candidate = candidates_[i];
         const ScreenBounds& bounds = candidate_bounds_[i];
-        if (depth_known_ && bounds.valid && pyramid_.hides(bounds.rect, bounds.near_depth)) {
+        if (hidden(candidate.entry.node, bounds)) {
             keep_hidden(frame, candidate.entry, Decision::hidden);
         } else {
             candidate.distance =
@@ -476,7 +501,7 @@ void Adaptive::retest_by_pyramid(CullFrame& frame)
     for (size_t i = 0; i < expected_.size(); ++i) {
         HierarchyCut::Entry& entry = expected_[i].entry;
         const ScreenBounds& bounds = expected_bounds_[i];
-        if (depth_known_ && bounds.valid && pyramid_.hides(bounds.rect, bounds.near_depth)) {
+        if (hidden(entry.node, bounds)) {
             keep_hidden(frame, entry, Decision::undecided);
         } else {
             entry.tested = frame.stamp();

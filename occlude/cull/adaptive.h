@@ -119,6 +119,7 @@ private:
     void open(CullFrame& frame, const Candidate& candidate, bool tested);
     void retest_by_pyramid(CullFrame& frame);
     bool hidden(const CullFrame& frame, NodeId node);
+    bool hidden(NodeId node, const ScreenBounds& bounds) const;
 
     // --- by tests on the device (adaptive_device_tests.cpp) ---
     void by_device(CullFrame& frame);
@@ -154,7 +155,8 @@ private:
     bool first_look_ = true;
     uint32_t frames_since_probe_ = 0xffff;
     double saved_per_spent_ = 0.0; ///< smoothed
-    double hidden_share_ = 0.5;    ///< of the work in nodes that were tested for the first time
+    double tests_last_frame_ = 0.0;
+    double hidden_share_ = 0.5; ///< of the work in nodes that were tested for the first time
 
     // Of the frame.
     double started_us_ = 0.0;
@@ -169,6 +171,7 @@ private:
 
     // Against depth.
     DepthPyramid pyramid_;
+    ScreenSpace screen_;
     bool depth_known_ = false;
     double read_after_us_ = 0.0; ///< of drawing, before depth is read again
     double units_at_read_ = 0.0;

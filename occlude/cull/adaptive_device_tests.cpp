@@ -20,8 +20,9 @@ constexpr double kDepthComplexity = 3.0;
 // The chance of being hidden of what a test of its parent revealed.
 constexpr double kRevealedHidden = 0.5;
 
-// Tests in the larger of the two rounds that measure a method.
-constexpr size_t kMeasuredTests = 8;
+// Rounds of one test and of so many measure a method, each so often.
+constexpr size_t kMeasuredTests = 16;
+constexpr int kMeasuredRounds = 3;
 
 // Below this much drawing a frame says nothing about its cost.
 constexpr double kLeastSample = 256.0;
@@ -235,10 +236,16 @@ void Adaptive::by_device(CullFrame& frame)
             break;
         }
         group_round(frame);
+        const double queued_us =
+            costs_.us_per_unit() * costs_.units(frame.queued_triangles(), frame.queued_items());
+        const double from = now();
         frame.flush_draws();
         next_round_.clear();
         frame.query(batch_, tickets_, method_);
         take_answers(frame);
+        if (clock_ && !first_round && groups_.size() >= kMeasuredTests) {
+            costs_.tested(method_, groups_.size(), std::max(now() - from - queued_us, 0.0));
+        }
         tests_ += static_cast<double>(groups_.size());
         spent_us_ += costs_.round(method_).of(static_cast<double>(groups_.size()));
         if (first_round) {
@@ -268,17 +275,18 @@ void Adaptive::measure_methods(CullFrame& frame, std::span<const Candidate> cand
         options_.method != AdaptiveOptions::Method::automatic) {
         return;
     }
-    const double us = costs_.round(method_).of(tests_);
+    const double us = costs_.round(method_).of(tests_last_frame_);
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
         if (!costs_.has(method) || !costs_.unmeasured(method) ||
-            costs_.round(method).of(tests_) > kHopeless * us) {
+            costs_.round(method).of(tests_last_frame_) > kHopeless * us) {
             continue;
         }
         if (method == TestMethod::pyramid) {
             measure_read(frame);
             continue;
         }
-        for (const size_t count : {size_t{1}, kMeasuredTests}) {
+        for (int i = 0; i < 2 * kMeasuredRounds; ++i) {
+            const size_t count = i % 2 == 0 ? 1 : kMeasuredTests;
             batch_.clear();
             for (const Candidate& candidate : candidates.first(count)) {
                 batch_.add_box(frame.test_box(candidate.entry.node), candidate.entry.node);

@@ -1,5 +1,6 @@
 #include <occlude/cull/cost_model.h>
 
+#include <cmath>
 #include <limits>
 
 namespace occlude {
@@ -9,8 +10,14 @@ namespace {
 // What a read-back and a test against it cost before anything was measured.
 constexpr RoundCost kPyramidHint{400.0, 0.1};
 
-// How much of the past one more sample leaves.
-constexpr double kDecay = 0.9;
+// Frames must differ so much in their drawing before their difference says what drawing costs.
+constexpr double kApart = 4.0;
+
+// However noisy the samples, at least this part of the largest frame was drawing.
+constexpr double kLeastShare = 0.1;
+
+// As long as none did, drawing costs at most so many times the hint.
+constexpr double kOverHint = 4.0;
 
 } // namespace
 
@@ -50,12 +57,25 @@ void CostModel::take_hints(const DeviceCaps& caps)
     pyramid.hint = kPyramidHint;
 }
 
+// The slope between the least and the most that was drawn. The largest frame's whole cost is a bound
+// on it, as no frame costs less than its pixels.
 void CostModel::drew(double units, double us)
 {
-    us_sum_ = kDecay * us_sum_ + us;
-    unit_sum_ = kDecay * unit_sum_ + units;
-    if (unit_sum_ > 0.0) {
-        us_per_unit_ = us_sum_ / unit_sum_;
+    const auto bin = static_cast<size_t>(std::max(std::ilogb(std::max(units, 1.0)), 0));
+    Sample& sample = drawn_[std::min(bin, drawn_.size() - 1)];
+    sample.units.add(units);
+    sample.us.add(us);
+
+    const auto known = [](const Sample& s) { return !s.units.empty(); };
+    const Sample& least = *std::find_if(drawn_.begin(), drawn_.end(), known);
+    const Sample& most = *std::find_if(drawn_.rbegin(), drawn_.rend(), known);
+    const double bound = most.us.value() / most.units.value();
+    const double difference = most.units.value() - least.units.value();
+    if (most.units.value() >= kApart * least.units.value()) {
+        const double slope = (most.us.value() - least.us.value()) / difference;
+        us_per_unit_ = std::clamp(slope, kLeastShare * bound, bound);
+    } else {
+        us_per_unit_ = std::min(kOverHint * double{hint_us_per_triangle_}, bound);
     }
 }
 

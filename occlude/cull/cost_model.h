@@ -8,12 +8,13 @@
 //             themselves are timed, from one moment at which the device is idle to the next (a
 //             read-back or an awaited answer is such a moment), because that is the time a frame
 //             waits for, and because machines drift. Timer queries would leave out what the
-//             processor does, which on software devices is everything. One number for drawing (per
-//             unit: a triangle, or an item as so many triangles) and two per test method are
-//             learnt; the ratio of an item's price to a triangle's is the device's hint.
-// Guarantees  Noise: every figure is a median of recent samples, or a ratio of decaying sums. Without
-//             a clock no sample ever comes, and the hints of DeviceCaps stay: decisions are then the
-//             same in every run.
+//             processor does, which on software devices is everything. What is learnt of drawing is
+//             a slope, the cost of one unit more (a triangle, or an item as so many triangles): a
+//             frame costs what its pixels cost whatever is hidden. Of each test method two numbers
+//             are learnt.
+// Guarantees  Noise: every figure comes from medians of recent samples. Without a clock no sample
+//             ever comes, and the hints of DeviceCaps stay: decisions are then the same in every
+//             run.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -68,7 +69,7 @@ public:
     double us_per_unit() const { return us_per_unit_; }
     double draw_us(const Node& node) const { return us_per_unit_ * units(node); }
 
-    /// `units` were drawn in `us`, from idle to idle.
+    /// `units` were drawn in `us`, from idle to idle, pixels and all.
     void drew(double units, double us);
 
     // --- testing ---
@@ -92,14 +93,18 @@ private:
         RecentMedian small_round_us; ///< of kSmallRound tests and fewer
         RecentMedian us_per_test;    ///< what larger rounds took beyond that
     };
+    /// What frames of about the same amount of drawing took.
+    struct Sample {
+        RecentMedian units;
+        RecentMedian us;
+    };
     static constexpr size_t kSmallRound = 1;
     static size_t index(TestMethod method) { return static_cast<size_t>(method); }
 
     std::array<Method, 4> methods_{};
     double triangles_per_item_ = 0.0;
     double us_per_unit_ = 0.0;
-    double us_sum_ = 0.0; ///< decaying, both
-    double unit_sum_ = 0.0;
+    std::array<Sample, 40> drawn_{}; ///< by the binary logarithm of the units
     float hint_us_per_triangle_ = -1.0f;
     float hint_us_per_item_ = -1.0f;
 };

@@ -91,6 +91,7 @@ public:
     void draw_items(std::span<const ItemId> items, uint64_t triangles);
 
     uint64_t queued_triangles() const { return queued_triangles_; }
+    size_t queued_items() const { return drawn_.size() - flushed_; }
 
     /// Hands the render queue to the device as one batch; nothing if it is empty.
     void flush_draws();

@@ -1,5 +1,7 @@
 #include <occlude/cull/depth_pyramid.h>
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 
 namespace occlude {
@@ -126,6 +128,51 @@ bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refine
                                     ? texel(level, x, y) < nearest
                                     : texel_hides(level, {x, y}, pixels, nearest);
             if (!hidden) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+// One texel of a level, cut to `pixels`, against what of the box is before it.
+bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const Range& pixels, const ScreenBox& box,
+                               uint32_t& texels_left) const
+{
+    if (texels_left == 0) {
+        return false;
+    }
+    --texels_left;
+    const glm::ivec2 low = glm::max(glm::ivec2{at.x << level, at.y << level}, pixels.low);
+    const glm::ivec2 high =
+        glm::min(glm::ivec2{(at.x + 1) << level, (at.y + 1) << level} - 1, pixels.high);
+    if (double{texel(level, at.x, at.y)} < box.nearest_over(low, high)) {
+        return true;
+    }
+    if (level == 0) {
+        return false;
+    }
+    const int fine = level - 1;
+    for (int y = low.y >> fine; y <= high.y >> fine; ++y) {
+        for (int x = low.x >> fine; x <= high.x >> fine; ++x) {
+            if (!texel_hides(fine, {x, y}, pixels, box, texels_left)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+bool DepthPyramid::hides(const ScreenBox& box, const PixelRect& rect, uint32_t most_texels) const
+{
+    Range pixels;
+    if (!clip(rect, pixels)) {
+        return true;
+    }
+    const int level = coarse_level(pixels);
+    for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
+        for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
+            if (!texel_hides(level, {x, y}, pixels, box, most_texels)) {
                 return false;
             }
         }

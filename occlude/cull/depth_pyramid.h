@@ -15,6 +15,7 @@
 #pragma once
 
 #include <occlude/core/query_device.h>
+#include <occlude/core/screen_box.h>
 
 #include <glm/vec2.hpp>
 
@@ -47,6 +48,11 @@ public:
     bool hides(const PixelRect& rect, float nearest,
                Refinement refinement = Refinement::pixels) const;
 
+    /// The same of a box instead of its rectangle, as far as at most `most_texels` texels decide it:
+    /// true only if every sample of anything in the box is farther than its pixel. `rect` is that of
+    /// the box's ScreenBounds.
+    bool hides(const ScreenBox& box, const PixelRect& rect, uint32_t most_texels) const;
+
     /// The farthest depth in `rect`, or more: the bound that the coarse level gives. 0 where `rect`
     /// misses the target.
     float farthest_bound(const PixelRect& rect) const;
@@ -71,6 +77,8 @@ private:
     bool clip(const PixelRect& rect, Range& pixels) const;
     int coarse_level(const Range& pixels) const;
     bool texel_hides(int level, glm::ivec2 at, const Range& pixels, float nearest) const;
+    bool texel_hides(int level, glm::ivec2 at, const Range& pixels, const ScreenBox& box,
+                     uint32_t& texels_left) const;
 
     std::vector<Level> levels_;
     std::vector<float> texels_; ///< all levels, level 0 first

@@ -121,6 +121,7 @@ private:
         run.guarantee = weaker(run.guarantee, report.guarantee);
         FrameFigures& figures = run.frames[frame];
         figures.counters = report.counters;
+        figures.plan = report.plan;
         figures.decision_hash = culler.decisions().hash(culler.hierarchy(), frame);
         figures.overdraw_items_vs_exact = overdraw_items(culler.drawn_items(), owners_[frame]);
     }

@@ -50,6 +50,7 @@ struct FrameFigures {
     double overdraw_items_vs_exact = kNotMeasured;
     FrameCounters counters;
     uint64_t decision_hash = 0;
+    FramePlan plan;                 ///< of algorithms that choose anew for each frame
     std::optional<Verdict> verdict; ///< empty: not compared
 };
 

@@ -68,6 +68,9 @@ Json frame_json(const FrameFigures& frame)
     json["differing_pixels"] = if_verified(verified, verdict.differing_pixels);
     json["tied_pixels"] = if_verified(verified, verdict.tied_pixels);
     json["decision_hash"] = hash_text(frame.decision_hash);
+    if (frame.plan.kind != FramePlan::Kind::fixed) {
+        json["plan"] = to_string(frame.plan);
+    }
     return json;
 }
 
