@@ -73,10 +73,10 @@ double drawn_units(const CostModel& costs, const CullFrame& frame)
 
 } // namespace
 
-Adaptive::Adaptive(const Hierarchy& hierarchy, AdaptiveOptions options, MicrosecondClock clock)
+Adaptive::Adaptive(const Hierarchy& hierarchy, AdaptiveOptions options, SecondsClock clock)
     : Culler(hierarchy)
     , options_(options)
-    , clock_(std::move(clock))
+    , clock_(options.measure ? std::move(clock) : SecondsClock{})
 {
 }
 

@@ -58,6 +58,8 @@ struct AdaptiveOptions {
     float keep_margin = 1.2f;
     /// ... and a probe must promise so much before it is tested again.
     float start_margin = 1.5f;
+    /// Measure by the clock. Otherwise costs stay what the device's hints say, and runs repeat.
+    bool measure = true;
     uint64_t seed = 1; ///< of the choice of entries that are merged
 };
 
@@ -70,7 +72,7 @@ class Adaptive final : public Culler {
 public:
     /// Without a clock costs are what the device's hints say.
     explicit Adaptive(const Hierarchy& hierarchy, AdaptiveOptions options = {},
-                      MicrosecondClock clock = {});
+                      SecondsClock clock = {});
 
     const CostModel& costs() const { return costs_; }
     const HierarchyCut& cut() const { return cut_; }
@@ -141,10 +143,11 @@ private:
     void keep_visible(HierarchyCut::Entry entry);
     void draw_entry(CullFrame& frame, const Candidate& candidate, Decision decision);
     void add_children(CullFrame& frame, const Candidate& candidate, std::vector<Candidate>& out);
-    double now() const { return clock_ ? clock_() : 0.0; }
+    /// Microseconds; 0 without a clock.
+    double now() const { return clock_ ? 1e6 * clock_() : 0.0; }
 
     AdaptiveOptions options_;
-    MicrosecondClock clock_;
+    SecondsClock clock_;
     CostModel costs_;
     HierarchyCut cut_;
 
@@ -204,6 +207,8 @@ void visit_options(AdaptiveOptions& o, Visit&& visit)
           "tests must hide so many times what they cost, or all is drawn");
     visit("start_margin", o.start_margin,
           "a probe must promise so much before anything is tested again");
+    visit("measure", o.measure,
+          "measure costs by the clock; false: the device's hints, repeatable");
     visit("seed", o.seed, "of the choice of entries of the cut that are merged");
 }
 

@@ -1,12 +1,12 @@
-// Time, for the algorithms that measure what their work costs. Algorithms name no clock of their
-// own: the program injects one, and tests inject another.
+// Time, for the algorithms that measure or count in it. Algorithms name no clock of their own: the
+// program injects one, and tests inject another.
 #pragma once
 
 #include <functional>
 
 namespace occlude {
 
-/// Microseconds since some fixed moment; never goes back.
-using MicrosecondClock = std::function<double()>;
+/// Seconds since some fixed moment; never goes back.
+using SecondsClock = std::function<double()>;
 
 } // namespace occlude

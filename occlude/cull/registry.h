@@ -36,9 +36,12 @@ struct AlgorithmInfo {
     std::string summary;
     bool exact = true; ///< with its default options
     Needs needs;
+    /// The kinds of hierarchies that suit it (hierarchy_kinds.h), in their order; on the others it
+    /// is right, but not what it could be. Empty: it makes no use of nodes, and all kinds are alike.
+    std::vector<std::string> hierarchies;
     std::vector<OptionInfo> options;
     Result<std::unique_ptr<Culler>> (*make)(const Hierarchy&, std::span<const OptionValue>,
-                                            const MicrosecondClock&) = nullptr;
+                                            SecondsClock) = nullptr;
 };
 
 /// All algorithms, in the order in which tables show them.
@@ -47,11 +50,12 @@ std::span<const AlgorithmInfo> algorithms();
 /// The algorithm of that name, or null.
 const AlgorithmInfo* find_algorithm(std::string_view name);
 
-/// A culler by name. Errors name the unknown algorithm or option and list what there is. `clock` is
-/// for the algorithms that measure; without one they go by counts and by what the device says.
+/// A culler by name. `clock` is for options that count in time (`prioritized.budget_time`,
+/// `statistical.time`) and for `adaptive`, which measures by it; it is not asked otherwise, so that
+/// runs repeat, and without it they do nothing. Errors name the unknown algorithm or option and list what there is.
 Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
                                             std::span<const OptionValue> options = {},
-                                            const MicrosecondClock& clock = {});
+                                            SecondsClock clock = {});
 
 /// Cullers that must be told beforehand what is visible derive from this too: call record() with
 /// the frame's view before the frame is culled. `opt` finds the leaves by an exact stop-and-wait
