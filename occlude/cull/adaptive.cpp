@@ -107,6 +107,12 @@ bool Adaptive::worth_testing(NodeId node, double probability) const
     return probability * costs_.draw_us(hierarchy().node(node)) > costs_.round(method_).us_per_test;
 }
 
+// What was not known before the test: how much of that is hidden?
+void Adaptive::note_first_answer(bool found_hidden)
+{
+    hidden_share_ += kShareStep * ((found_hidden ? 1.0 : kLeastShare) - hidden_share_);
+}
+
 void Adaptive::keep_hidden(CullFrame& frame, HierarchyCut::Entry entry, Decision decision)
 {
     if (decision != Decision::undecided) {
@@ -233,7 +239,7 @@ void Adaptive::draw_all(CullFrame& frame)
 
 bool Adaptive::probe_due(double frame_us) const
 {
-    const double probe_us = costs_.round(method_).us_per_round;
+    const double probe_us = std::max(costs_.round(method_).us_per_round, last_probe_us_);
     const double interval = probe_us / std::max(frame_us * double{options_.probe_share}, 1e-6);
     const bool noticeable = probe_us > kNoticeable * frame_us;
     return frames_since_probe_ >= std::max(interval, noticeable ? double{kRareProbe} : 1.0);
@@ -256,10 +262,12 @@ void Adaptive::judge(CullFrame& frame)
     saved_per_spent_ =
         first_look_ ? ratio : (1.0 - kForget) * saved_per_spent_ + kForget * std::min(ratio, 16.0);
     first_look_ = false;
-    if (options_.method == AdaptiveOptions::Method::automatic && spent_us_ > 0.0 &&
-        saved_per_spent_ < double{options_.keep_margin}) {
+    const bool pays = spent_us_ > 0.0 && saved_per_spent_ >= double{options_.keep_margin};
+    if (options_.method == AdaptiveOptions::Method::automatic && !pays) {
         stop_culling();
-        frames_since_probe_ = 0;
+        frames_since_probe_ = depth_known_ || method_ != TestMethod::pyramid ? 0 : kRareProbe;
+        // By the device a probe is a frame like this one.
+        last_probe_us_ = method_ == TestMethod::pyramid ? 0.0 : spent_us_;
     }
 }
 
@@ -449,7 +457,7 @@ void Adaptive::reveal(CullFrame& frame)
         }
         if (!tested && depth_known_ && worth_testing(candidate.entry.node, hidden_share_)) {
             const bool found_hidden = hidden(frame, candidate.entry.node);
-            hidden_share_ += kShareStep * ((found_hidden ? 1.0 : kLeastShare) - hidden_share_);
+            note_first_answer(found_hidden);
             if (found_hidden) {
                 keep_hidden(frame, candidate.entry, Decision::hidden);
                 continue;
@@ -601,12 +609,9 @@ void Adaptive::cull_frame(CullFrame& frame)
     }
     finish_cut(frame);
     judge(frame);
-    if (method_ == TestMethod::pyramid && !depth_known_) {
-        // Nothing was drawn long enough to be worth a look: is anything hidden at all?
-        stop_culling();
-        if (probe_due(double{frame.plan().drawn_us})) {
-            probe(frame);
-        }
+    if (!culling_ && method_ == TestMethod::pyramid && probe_due(double{frame.plan().drawn_us})) {
+        probe(
+            frame); // too little was drawn to be worth a look meanwhile: is anything hidden at all?
     }
 }
 

@@ -127,6 +127,7 @@ private:
     void by_device(CullFrame& frame);
     void collect_round(CullFrame& frame, bool first_round);
     void group_round(CullFrame& frame);
+    void note_answer(const Candidate& candidate, bool found_hidden);
     void take_answers(CullFrame& frame);
     void draw_untested(CullFrame& frame, const Candidate& candidate);
     void open_for_next_round(CullFrame& frame, const Candidate& candidate);
@@ -138,6 +139,7 @@ private:
 
     // --- shared ---
     bool is_terminal(NodeId node) const;
+    void note_first_answer(bool found_hidden);
     bool worth_testing(NodeId node, double probability) const;
     void keep_hidden(CullFrame& frame, HierarchyCut::Entry entry, Decision decision);
     void keep_visible(HierarchyCut::Entry entry);
@@ -159,6 +161,7 @@ private:
     uint32_t frames_since_probe_ = 0xffff;
     double saved_per_spent_ = 0.0; ///< smoothed
     double tests_last_frame_ = 0.0;
+    double last_probe_us_ = 0.0;
     double hidden_share_ = 0.5; ///< of the work in nodes that were tested for the first time
 
     // Of the frame.

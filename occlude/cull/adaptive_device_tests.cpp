@@ -17,9 +17,6 @@ using Scope = HierarchyCut::Scope;
 // Guthe, Balazs, Klein divide what a test of something visible may gain by the depth complexity.
 constexpr double kDepthComplexity = 3.0;
 
-// The chance of being hidden of what a test of its parent revealed.
-constexpr double kRevealedHidden = 0.5;
-
 // Rounds of one test and of so many measure a method, each so often.
 constexpr size_t kMeasuredTests = 16;
 constexpr int kMeasuredRounds = 3;
@@ -128,7 +125,7 @@ void Adaptive::collect_round(CullFrame& frame, bool first_round)
             cut_.keep(candidate.entry);
             continue;
         }
-        const double chance = candidate.entry.state == State::hidden ? 1.0 : kRevealedHidden;
+        const double chance = candidate.entry.state == State::hidden ? 1.0 : hidden_share_;
         if (frame.near(node)) {
             if (candidate.entry.scope == Scope::own_items || is_terminal(node)) {
                 draw_entry(frame, candidate, Decision::drawn_near);
@@ -155,7 +152,7 @@ void Adaptive::collect_round(CullFrame& frame, bool first_round)
     // What all of them may hide must be worth the wait for one more round.
     double hidden_us = 0.0;
     for (const Candidate& candidate : round_) {
-        hidden_us += kRevealedHidden * costs_.draw_us(hierarchy().node(candidate.entry.node));
+        hidden_us += hidden_share_ * costs_.draw_us(hierarchy().node(candidate.entry.node));
     }
     const double round_us = costs_.round(method_).of(static_cast<double>(round_.size()));
     if (!first_round && hidden_us < round_us) {
@@ -205,6 +202,16 @@ void Adaptive::group_round(CullFrame& frame)
     }
 }
 
+// Learns from an answer that speaks for one candidate.
+void Adaptive::note_answer(const Candidate& candidate, bool found_hidden)
+{
+    if (candidate.entry.state == State::hidden) {
+        keep_table_.record(candidate.entry.frames_hidden, found_hidden);
+    } else {
+        note_first_answer(found_hidden);
+    }
+}
+
 void Adaptive::take_answers(CullFrame& frame)
 {
     for (size_t i = 0; i < groups_.size(); ++i) {
@@ -214,14 +221,14 @@ void Adaptive::take_answers(CullFrame& frame)
         for (uint32_t k = group.first; k < group.first + group.count; ++k) {
             Candidate& candidate = round_[k];
             if (!visible) {
-                keep_table_.record(candidate.entry.frames_hidden, true);
+                note_answer(candidate, true);
                 keep_hidden(frame, candidate.entry,
                             group.count > 1 ? Decision::hidden_group : Decision::hidden);
             } else if (group.count > 1) {
                 candidate.alone = true;
                 next_round_.push_back(candidate);
             } else {
-                keep_table_.record(candidate.entry.frames_hidden, false);
+                note_answer(candidate, false);
                 open_for_next_round(frame, candidate);
             }
         }

@@ -103,8 +103,10 @@ public:
     /// ... and has it begin, so that it works while the algorithm does.
     void start_draws()
     {
-        flush_draws();
-        device_.flush();
+        if (queued_items() > 0) {
+            flush_draws();
+            device_.flush();
+        }
     }
 
     /// True if the device can draw_and_query() and all of the leaf is drawn then: none of its items
