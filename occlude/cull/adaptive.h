@@ -36,7 +36,7 @@
 #include <occlude/cull/coverage.h>
 #include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
-#include <occlude/cull/depth_pyramid.h>
+#include <occlude/core/depth_pyramid.h>
 #include <occlude/cull/frustum_walk.h>
 #include <occlude/cull/hierarchy_cut.h>
 

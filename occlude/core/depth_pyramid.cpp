@@ -1,13 +1,15 @@
-#include <occlude/cull/depth_pyramid.h>
+#include <occlude/core/depth_pyramid.h>
+
+#include <occlude/core/assert.h>
+#include <occlude/core/detail/pyramid_kernels.h>
 
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 namespace occlude {
-
-// A query looks at no more than kSpan x kSpan texels of one level.
-static constexpr int kSpan = 4;
 
 // The farther of two depths, in the form that compiles to one instruction.
 static float farther(float a, float b)
@@ -29,15 +31,14 @@ std::span<float> DepthPyramid::resize(glm::ivec2 size_px)
             }
             size = (size + 1) / 2;
         }
-        texels_.assign(texels, 1.0f);
+        texels_.assign(texels + detail::kSpan - 1, 1.0f);
     }
     return empty() ? std::span<float>{}
                    : std::span{texels_}.first(static_cast<size_t>(levels_[0].size.x) *
                                               static_cast<size_t>(levels_[0].size.y));
 }
 
-// Two rows of `width` texels (or one row twice) into one of half the width, rounded up.
-static void reduce_rows(const float* a, const float* b, int width, float* out)
+void detail::reduce_rows(const float* a, const float* b, int width, float* out)
 {
     const int pairs = width / 2;
     for (int x = 0; x < pairs; ++x) {
@@ -48,45 +49,33 @@ static void reduce_rows(const float* a, const float* b, int width, float* out)
     }
 }
 
-void DepthPyramid::build()
+void detail::build_levels(std::span<const PyramidLevel> levels, float* texels, ReduceRows reduce)
 {
-    for (size_t n = 1; n < levels_.size(); ++n) {
-        const Level& fine = levels_[n - 1];
-        const Level& coarse = levels_[n];
-        const float* in = texels_.data() + fine.first;
-        float* out = texels_.data() + coarse.first;
+    for (size_t n = 1; n < levels.size(); ++n) {
+        const PyramidLevel& fine = levels[n - 1];
+        const PyramidLevel& coarse = levels[n];
+        const float* in = texels + fine.first;
+        float* out = texels + coarse.first;
         for (int y = 0; y < coarse.size.y; ++y) {
             const float* a = in + static_cast<ptrdiff_t>(2 * y) * fine.size.x;
             const float* b = 2 * y + 1 < fine.size.y ? a + fine.size.x : a;
-            reduce_rows(a, b, fine.size.x, out + static_cast<ptrdiff_t>(y) * coarse.size.x);
+            reduce(a, b, fine.size.x, out + static_cast<ptrdiff_t>(y) * coarse.size.x);
         }
     }
 }
 
-bool DepthPyramid::clip(const PixelRect& rect, Range& pixels) const
+void DepthPyramid::build(Kernel kernel)
 {
-    pixels.low = {std::max(rect.x, 0), std::max(rect.y, 0)};
-    // In 64 bits: a rectangle may be as wide as the numbers go.
-    const glm::ivec2 last = size_px() - 1;
-    const int64_t right = int64_t{rect.x} + rect.width - 1;
-    const int64_t top = int64_t{rect.y} + rect.height - 1;
-    pixels.high = {static_cast<int>(std::clamp<int64_t>(right, -1, last.x)),
-                   static_cast<int>(std::clamp<int64_t>(top, -1, last.y))};
-    return pixels.low.x <= pixels.high.x && pixels.low.y <= pixels.high.y;
-}
-
-int DepthPyramid::coarse_level(const Range& pixels) const
-{
-    int level = 0;
-    while ((pixels.high.x >> level) - (pixels.low.x >> level) >= kSpan ||
-           (pixels.high.y >> level) - (pixels.low.y >> level) >= kSpan) {
-        ++level;
+    if (kernel == Kernel::simd) {
+        detail::build_levels_simd(levels_, texels_.data());
+    } else {
+        detail::build_levels(levels_, texels_.data(), &detail::reduce_rows);
     }
-    return level;
 }
 
 // One texel of a level, cut to `pixels`.
-bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const Range& pixels, float nearest) const
+bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
+                               float nearest) const
 {
     if (texel(level, at.x, at.y) < nearest) {
         return true;
@@ -117,11 +106,11 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const Range& pixels, fl
 
 bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refinement) const
 {
-    Range pixels;
-    if (!clip(rect, pixels)) {
+    detail::TexelRange pixels;
+    if (!detail::clip(rect, size_px(), pixels)) {
         return true;
     }
-    const int level = coarse_level(pixels);
+    const int level = detail::coarse_level(pixels);
     for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
         for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
             const bool hidden = refinement == Refinement::none
@@ -136,8 +125,8 @@ bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refine
 }
 
 // One texel of a level, cut to `pixels`, against what of the box is before it.
-bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const Range& pixels, const ScreenBox& box,
-                               uint32_t& texels_left) const
+bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
+                               const ScreenBox& box, uint32_t& texels_left) const
 {
     if (texels_left == 0) {
         return false;
@@ -165,11 +154,11 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const Range& pixels, co
 
 bool DepthPyramid::hides(const ScreenBox& box, const PixelRect& rect, uint32_t most_texels) const
 {
-    Range pixels;
-    if (!clip(rect, pixels)) {
+    detail::TexelRange pixels;
+    if (!detail::clip(rect, size_px(), pixels)) {
         return true;
     }
-    const int level = coarse_level(pixels);
+    const int level = detail::coarse_level(pixels);
     for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
         for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
             if (!texel_hides(level, {x, y}, pixels, box, most_texels)) {
@@ -180,14 +169,55 @@ bool DepthPyramid::hides(const ScreenBox& box, const PixelRect& rect, uint32_t m
     return true;
 }
 
+void DepthPyramid::hides(std::span<const ScreenBounds> bounds, Refinement refinement,
+                         std::span<uint8_t> hidden, Kernel kernel) const
+{
+    OCCLUDE_ASSERT(bounds.size() == hidden.size(), "DepthPyramid::hides needs one result per box");
+    const auto ask = [&](const ScreenBounds& b, Refinement how) {
+        return static_cast<uint8_t>(b.valid && hides(b.rect, b.near_depth, how));
+    };
+    if (kernel == Kernel::scalar) {
+        for (size_t i = 0; i < bounds.size(); ++i) {
+            hidden[i] = ask(bounds[i], refinement);
+        }
+        return;
+    }
+    detail::coarse_hides_simd(levels_, texels_.data(), bounds, hidden.data());
+    if (refinement == Refinement::none) {
+        return;
+    }
+    for (size_t i = 0; i < bounds.size(); ++i) {
+        if (hidden[i] == 0) {
+            hidden[i] = ask(bounds[i], refinement);
+        }
+    }
+}
+
+void DepthPyramid::hides(const View& view, std::span<const Aabb> boxes, Refinement refinement,
+                         std::span<uint8_t> hidden, Kernel kernel) const
+{
+    OCCLUDE_ASSERT(boxes.size() == hidden.size(), "DepthPyramid::hides needs one result per box");
+    if (view.size_px() != size_px()) {
+        std::ranges::fill(hidden, uint8_t{0});
+        return;
+    }
+    std::array<ScreenBounds, 64> block; // stays in the nearest cache
+    for (size_t first = 0; first < boxes.size(); first += block.size()) {
+        const size_t count = std::min(block.size(), boxes.size() - first);
+        const std::span bounds = std::span{block}.first(count);
+        project_boxes(view, boxes.subspan(first, count), bounds, kernel);
+        hides(bounds, refinement, hidden.subspan(first, count), kernel);
+    }
+}
+
 float DepthPyramid::farthest_bound(const PixelRect& rect) const
 {
-    Range pixels;
+    detail::TexelRange pixels;
     float bound = 0.0f;
-    if (!clip(rect, pixels)) {
+    if (!detail::clip(rect, size_px(), pixels)) {
         return bound;
     }
-    const int level = coarse_level(pixels);
+    const int level = detail::coarse_level(pixels);
     for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
         for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
             bound = farther(bound, texel(level, x, y));
