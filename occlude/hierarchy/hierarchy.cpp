@@ -1,52 +1,22 @@
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <occlude/core/assert.h>
+#include <occlude/hierarchy/detail/node_sums.h>
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
 #include <utility>
 
 namespace occlude {
+
+using detail::merged_box;
+using detail::triangle_sum;
 
 // Never decides anything but "changed", so a process-wide counter costs no determinism.
 static uint64_t next_structure_version()
 {
     static std::atomic<uint64_t> last{0};
     return ++last;
-}
-
-static uint32_t saturating_add(uint32_t a, uint32_t b)
-{
-    return a + std::min(b, std::numeric_limits<uint32_t>::max() - a);
-}
-
-// The triangles in the subtree of `node`, from its items and the finished sums of its children.
-static uint32_t triangle_sum(const Node& node, std::span<const Node> nodes,
-                             std::span<const ItemBounds> item_bounds)
-{
-    uint32_t sum = 0;
-    for (const ItemBounds& item : item_bounds.subspan(node.first_item, node.own_items)) {
-        sum = saturating_add(sum, item.triangles);
-    }
-    for (uint32_t c = 0; c < node.child_count; ++c) {
-        sum = saturating_add(sum, nodes[node.first_child.value + c].subtree_triangles);
-    }
-    return sum;
-}
-
-// The box around the items of `node` and the finished boxes of its children.
-static Aabb merged_box(const Node& node, std::span<const Node> nodes,
-                       std::span<const ItemBounds> item_bounds)
-{
-    Aabb box;
-    for (const ItemBounds& item : item_bounds.subspan(node.first_item, node.own_items)) {
-        box = merge(box, item.box);
-    }
-    for (uint32_t c = 0; c < node.child_count; ++c) {
-        box = merge(box, nodes[node.first_child.value + c].box);
-    }
-    return box;
 }
 
 static std::string sentence(size_t node, const char* what)
@@ -206,6 +176,19 @@ Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> it
     }
     OCCLUDE_VALIDATE(check_structure(result));
     result.refit_nodes();
+    return result;
+}
+
+Hierarchy Hierarchy::from_finished_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
+                                          std::vector<ItemBounds> item_bounds)
+{
+    Hierarchy result;
+    result.nodes_ = std::move(nodes);
+    result.items_ = std::move(items);
+    result.item_bounds_ = std::move(item_bounds);
+    result.structure_version_ = next_structure_version();
+    result.collect_flagged();
+    OCCLUDE_VALIDATE(validate(result));
     return result;
 }
 

@@ -155,6 +155,9 @@ public:
     /// no items make an empty hierarchy. Asserting builds check the layout. O(items + nodes).
     static Hierarchy from_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
                                  std::vector<ItemBounds> item_bounds);
+    /// The same of nodes in which all is set already, over boxes none of which is NaN.
+    static Hierarchy from_finished_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
+                                          std::vector<ItemBounds> item_bounds);
 
 private:
     void refit_nodes();
