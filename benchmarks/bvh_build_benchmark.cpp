@@ -1,4 +1,4 @@
-// How long a tree over random boxes takes to build and to refit, and what it is worth: the cost by
+// How long a tree over random boxes takes to build, and what it is worth: the cost by
 // the surface area heuristic, beside Embree's trees over the same boxes on as many threads.
 #include <occlude/core/rng.h>
 #include <occlude/hierarchy/bvh_builder.h>
@@ -45,15 +45,6 @@ void build_ours(benchmark::State& state)
     state.counters["sah_cost"] = sah_cost(tree);
     if (const std::string problem = validate(tree); !problem.empty()) {
         state.SkipWithError(problem.c_str());
-    }
-}
-
-void refit(benchmark::State& state)
-{
-    const std::vector<ItemBounds> items = random_items(static_cast<size_t>(state.range(0)));
-    Hierarchy tree = build_bvh(items);
-    for (auto _ : state) {
-        tree.refit(items);
     }
 }
 
@@ -194,12 +185,5 @@ BENCHMARK(build_ours)
     ->ArgsProduct({{10000, 100000, 1000000}, {1, 4}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
-BENCHMARK(refit)
-    ->ArgName("boxes")
-    ->RangeMultiplier(10)
-    ->Range(10000, 1000000)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-
 } // namespace
 } // namespace occlude

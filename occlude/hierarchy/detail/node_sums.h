@@ -28,8 +28,7 @@ inline uint32_t triangle_sum(const Node& node, std::span<const Node> nodes,
     return sum;
 }
 
-/// merge() of boxes without NaN: neither is looked for, and empty boxes need no look either, since
-/// every builder and refit has made them the one that is (infinity, -infinity).
+/// The box around the items of `node` and its finished children.
 inline Aabb merged_box(const Node& node, std::span<const Node> nodes,
                        std::span<const ItemBounds> item_bounds)
 {
