@@ -58,7 +58,7 @@ ItemBounds on_wall(Rng& rng, const glm::vec3& foot, float height)
     const float out = (rng.below(2) == 0 ? -0.5f : 0.5f) * kBuilding;
     const glm::vec3 up{0.0f, rng.range(0.5f, height - 2.0f), 0.0f};
     const bool along_x = rng.below(2) == 0;
-    const glm::vec3 size{rng.range(0.5f, 2.5f), rng.range(0.5f, 2.0f), rng.range(0.1f, 1.5f)};
+    const glm::vec3 size{rng.range(0.3f, 1.8f), rng.range(0.3f, 1.8f), rng.range(0.1f, 1.0f)};
     return along_x ? box_on(foot + up + glm::vec3{along, 0.0f, out}, size)
                    : box_on(foot + up + glm::vec3{out, 0.0f, along}, {size.z, size.y, size.x});
 }
@@ -70,10 +70,10 @@ void add_block(std::vector<ItemBounds>& items, Rng& rng, const glm::vec3& corner
                                                               0.5f + static_cast<float>(i / 4)};
         const float height = rng.range(12.0f, 60.0f);
         items.push_back(box_on(foot, {kBuilding, height, kBuilding}));
-        for (int k = 0; k < 24; ++k) {
+        for (int k = 0; k < 48; ++k) {
             items.push_back(on_wall(rng, foot, height));
         }
-        for (int k = 0; k < 28; ++k) {
+        for (int k = 0; k < 4; ++k) {
             const glm::vec3 inside{rng.range(-5.0f, 5.0f), rng.range(0.1f, height - 3.0f),
                                    rng.range(-5.0f, 5.0f)};
             items.push_back(box_on(foot + inside, {rng.range(0.2f, 2.0f), rng.range(0.2f, 2.0f),

@@ -2,8 +2,8 @@
 //
 // Blocks of buildings stand in a square grid with streets between them. A block has 1000 boxes:
 //   16    shells: the outside of a building, 12 triangles; they hide nearly everything
-//   384   what is on their walls: balconies, signs, windows, 24 to a building
-//   448   furniture inside, 28 to a building, never seen from outside
+//   768   what is on their walls: balconies, signs, windows, 48 to a building
+//   64    furniture inside, 4 to a building, never seen from outside
 //   152   street furniture on the pavements around the block
 // A larger city has more blocks, not larger ones: what a street-level view sees stays about the same.
 #pragma once

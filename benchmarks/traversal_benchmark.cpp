@@ -16,7 +16,7 @@
 namespace occlude::bench {
 namespace {
 
-constexpr glm::ivec2 kSizePx{480, 270};
+constexpr glm::ivec2 kSizePx{640, 360};
 constexpr size_t kFrames = 8;
 
 struct City {

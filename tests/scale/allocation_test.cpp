@@ -10,11 +10,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <malloc.h>
 #include <new>
 
 namespace {
 
 std::atomic<size_t> allocations{0};
+std::atomic<size_t> live_bytes{0}; // as the allocator rounds them
 
 } // namespace
 
@@ -22,26 +24,32 @@ void* operator new(size_t size)
 {
     ++allocations;
     if (void* memory = std::malloc(size > 0 ? size : 1)) {
+        live_bytes += malloc_usable_size(memory);
         return memory;
     }
     throw std::bad_alloc{};
 }
 void operator delete(void* memory) noexcept
 {
+    live_bytes -= memory != nullptr ? malloc_usable_size(memory) : 0;
     std::free(memory);
 }
 void operator delete(void* memory, size_t) noexcept
 {
-    std::free(memory);
+    operator delete(memory);
 }
 
 namespace occlude {
 namespace {
 
-// Answers by what is visible of a made-up third of the nodes; allocates nothing after its first frames.
+constexpr uint64_t kRound = 16; // frames of the walk, which goes round and round
+
+// Finds inner nodes visible and a made-up third of the leaves, another third every few frames of the
+// walk. Allocates nothing.
 class QuietDevice final : public QueryDevice {
 public:
-    QuietDevice()
+    explicit QuietDevice(const Hierarchy& hierarchy)
+        : hierarchy_(hierarchy)
     {
         caps_.name = "quiet";
         caps_.read_depth = true;
@@ -50,13 +58,16 @@ public:
         answers_.resize(1 << 16);
     }
     const DeviceCaps& caps() const override { return caps_; }
-    void begin_frame(const View&) override {}
+    void begin_frame(const View&) override { ++frame_; }
     void draw(std::span<const ItemId>, DrawPass) override {}
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override
     {
         for (size_t i = 0; i < tickets.size(); ++i) {
-            const QueryBox& first = batch.boxes[i == 0 ? 0 : batch.test_ends[i - 1]];
-            tickets[i] = answer(hash64(first.subject.value, std::uint64_t{7}) % 3 == 0);
+            bool visible = false;
+            for (uint32_t box = i == 0 ? 0 : batch.test_ends[i - 1]; box < batch.test_ends[i]; ++box) {
+                visible = visible || node_visible(batch.boxes[box].subject);
+            }
+            tickets[i] = answer(visible);
         }
     }
     Ticket draw_and_query(std::span<const ItemId> items, DrawPass) override
@@ -77,6 +88,11 @@ public:
     void end_frame() override {}
 
 private:
+    bool node_visible(NodeId node) const
+    {
+        return (node.valid() && !hierarchy_.is_leaf(node)) ||
+               hash64(node.value, frame_ % kRound / 4) % 3 == 0;
+    }
     Ticket answer(bool visible)
     {
         next_ = (next_ + 1) % static_cast<uint32_t>(answers_.size());
@@ -84,7 +100,9 @@ private:
         return Ticket{next_, 1};
     }
 
+    const Hierarchy& hierarchy_;
     DeviceCaps caps_;
+    uint64_t frame_ = 0;
     std::vector<uint8_t> answers_;
     uint32_t next_ = 0;
 };
@@ -93,11 +111,10 @@ class Allocations : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Allocations, ThereAreNoneInAFrameAfterTheFirstRounds)
 {
-    constexpr uint64_t kRound = 16; // of the walk
     const Hierarchy tree = test::random_bvh(3000, 21);
     auto culler = make_culler(GetParam(), tree);
     ASSERT_TRUE(culler);
-    QuietDevice device;
+    QuietDevice device(tree);
     std::vector<View> walk;
     for (uint64_t i = 0; i < kRound; ++i) {
         walk.push_back(test::rough_walk(i));
@@ -112,6 +129,46 @@ TEST_P(Allocations, ThereAreNoneInAFrameAfterTheFirstRounds)
     }
     EXPECT_EQ(allocations - before, 0u);
     EXPECT_GT(drawn, 0u);
+}
+
+// All of it: nodes, items, bounds, and what two cullers remember and have drawn, after frames that
+// saw every corner of the scene.
+size_t bytes_per_object(const BvhOptions& options, const char* algorithm)
+{
+    constexpr uint32_t kObjects = 200000;
+    std::vector<ItemBounds> boxes = test::random_boxes(kObjects, 4, 400.0f, 2.0f);
+    for (ItemBounds& box : boxes) {
+        box.triangles = 12;
+    }
+    std::vector<View> walk;
+    for (uint64_t i = 0; i < kRound; ++i) {
+        walk.push_back(test::rough_walk(i));
+    }
+    const size_t before = live_bytes;
+    const Hierarchy tree = build_bvh(boxes, options);
+    const size_t of_tree = live_bytes - before;
+    EXPECT_LT(of_tree, tree.memory_bytes() + 65536);
+    EXPECT_GE(of_tree, tree.memory_bytes());
+    QuietDevice device(tree);
+    auto culler = make_culler(algorithm, tree);
+    for (uint64_t frame = 0; frame < 2 * kRound; ++frame) {
+        (*culler)->cull(walk[frame % walk.size()], device);
+    }
+    const size_t result = (live_bytes - before) / kObjects;
+    ::testing::Test::RecordProperty(algorithm, static_cast<int>(result));
+    return result;
+}
+
+TEST(Memory, AnObjectTakesAtMost96BytesInLeavesOfFour)
+{
+    EXPECT_LE(bytes_per_object({.max_leaf_items = 4}, "frustum"), 96u);
+    EXPECT_LE(bytes_per_object({.max_leaf_items = 4}, "chc_plus_plus"), 96u);
+    EXPECT_LE(bytes_per_object({.max_leaf_items = 4}, "two_phase"), 96u);
+}
+
+TEST(Memory, AnObjectWithALeafOfItsOwnTakesTwice)
+{
+    EXPECT_LE(bytes_per_object({}, "chc_plus_plus"), 192u);
 }
 
 std::vector<std::string> names()
