@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,13 @@ struct AlgorithmRun {
     std::string algorithm;
     Guarantee guarantee; ///< the weakest of all frames
     std::vector<FrameFigures> frames;
+    std::string hierarchy = {}; ///< the kind it ran on; empty: nobody said
 };
+
+/// True if the runs are on more than one kind of hierarchy, so that reports must tell them apart.
+bool on_several_hierarchies(std::span<const AlgorithmRun> runs);
+/// "chc on bsp" if `with_hierarchy` and there is one, else "chc".
+std::string run_label(const AlgorithmRun& run, bool with_hierarchy);
 
 /// The weaker of two promises.
 Guarantee weaker(const Guarantee& a, const Guarantee& b);

@@ -79,7 +79,7 @@ Json run_json(const AlgorithmRun& run, const BenchDocument& document)
         frames.push_back(frame_json(frame));
     }
     return {{"algorithm", run.algorithm},
-            {"hierarchy", document.hierarchy},
+            {"hierarchy", run.hierarchy},
             {"device", document.device},
             {"test", document.test},
             {"guarantee", to_string(run.guarantee)},
