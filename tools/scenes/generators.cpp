@@ -6,6 +6,7 @@
 #include "scenes/moving_generators.h"
 #include "scenes/parameters.h"
 #include "scenes/scene_source.h"
+#include "scenes/teapots_generator.h"
 
 #include <fmt/format.h>
 
@@ -65,6 +66,21 @@ Result<SceneModel> make_boxcity(std::string_view source, std::string_view text,
         return *problem;
     }
     return generate_boxcity(city, options);
+}
+
+Result<SceneModel> make_teapots(std::string_view source, std::string_view text,
+                                const SceneOptions& options)
+{
+    TeapotsOptions teapots;
+    const std::array parameters{
+        Parameter{"count", &teapots.count, 1, 1000000},
+        Parameter{"triangles", &teapots.triangles, 64, 1000000},
+        Parameter{"seed", &teapots.seed, 0, kMostSeed},
+    };
+    if (const auto problem = parse_parameters(source, text, parameters)) {
+        return *problem;
+    }
+    return generate_teapots(teapots, options);
 }
 
 /// `count`, `seed` and `triangles` into an options struct of a scene that moves.
@@ -131,6 +147,10 @@ std::span<const Generator> registry()
              "a city in which every object is one box: buildings, and blocks and boxes beside "
              "and on them; triangles: of each"},
             make_boxcity},
+        Generator{{"teapots", "count=5000,triangles=2304,seed=1",
+                   "Utah teapots at random places in a cube, in all orientations; triangles: of "
+                   "each"},
+                  make_teapots},
     };
     return kGenerators;
 }
