@@ -144,7 +144,10 @@ TEST(Adaptive, RepeatsItselfWithoutAClock)
 TEST(CostModel, LearnsTheSlopeOfDrawingNotThePixels)
 {
     CostModel costs;
-    costs.take_hints({.us_per_triangle = 0.15f, .us_per_item = 0.0f});
+    DeviceCaps caps;
+    caps.us_per_triangle = 0.15f;
+    caps.us_per_item = 0.0f;
+    costs.take_hints(caps);
     EXPECT_DOUBLE_EQ(costs.us_per_unit(), double{0.15f});
     for (int i = 0; i < 5; ++i) {
         costs.drew(1000.0, 5000.0 + 0.5 * 1000.0);

@@ -119,8 +119,8 @@ struct Setup {
     bool moving = false;
     bool late_answers = false;
     std::string_view hierarchy = "bvh";
-    bool culls = true;
     bool flags = false; ///< some items are translucent, some never cull, some never occlude
+    bool culls = true;  ///< draws visibly less than what is in the frustum
 };
 
 // Runs an algorithm beside the reference and expects the same picture in every frame.
