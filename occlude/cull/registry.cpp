@@ -14,6 +14,8 @@
 #include <occlude/cull/two_phase.h>
 #include <occlude/cull/uniform_grid.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <limits>
 #include <type_traits>
@@ -160,6 +162,7 @@ AlgorithmInfo describe(std::string name, std::string paper, std::string summary,
             std::move(paper),
             std::move(summary),
             true,
+            true,
             needs,
             describe_options<Options>(),
             &make<CullerType, Options>};
@@ -214,6 +217,12 @@ std::vector<AlgorithmInfo> make_table()
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(
         describe<Ideal>("ideal", "comparison", "draws the items that own a pixel", answer));
+    const std::array<std::string_view, 5> forgetful = {"frustum", "stop_and_wait", "lazy_grid",
+                                                       "opt", "ideal"};
+    for (AlgorithmInfo& info : table) {
+        info.remembers =
+            std::find(forgetful.begin(), forgetful.end(), info.name) == forgetful.end();
+    }
     return table;
 }
 

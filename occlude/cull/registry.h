@@ -33,7 +33,8 @@ struct AlgorithmInfo {
     std::string name;
     std::string paper; ///< who published it, or "baseline"
     std::string summary;
-    bool exact = true; ///< with its default options
+    bool exact = true;     ///< with its default options
+    bool remembers = true; ///< what it saw in a frame changes what it does in later ones
     Needs needs;
     std::vector<OptionInfo> options;
     Result<std::unique_ptr<Culler>> (*make)(const Hierarchy&,

@@ -140,6 +140,41 @@ TEST(Cli, SettingsMustReachAnAlgorithmThatTakesPart)
                    {"chc does not take part"});
 }
 
+TEST(Cli, LabelsRunAnAlgorithmSeveralTimesWithOptionsOfTheirOwn)
+{
+    const std::string json = write_file("labels.json", "").string();
+    const Outcome outcome = run(small(
+        {"bench", scene_file(), "--frames", "3", "--json", json, "--algorithms",
+         "lazy_grid@busy,chc,lazy_grid,lazy_grid@twin", "--set", "lazy_grid@busy.update=busy"}));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    std::ifstream file{json};
+    const nlohmann::json runs = nlohmann::json::parse(file)["runs"];
+    std::vector<std::string> names;
+    std::vector<double> asked;
+    for (const auto& each : runs) {
+        names.push_back(each["algorithm"]);
+        asked.push_back(each["per_frame"]["cells_asked"]);
+    }
+    EXPECT_EQ(names, (std::vector<std::string>{"frustum", "chc", "lazy_grid", "lazy_grid@busy",
+                                               "lazy_grid@twin", "opt", "ideal"}));
+    EXPECT_GT(asked[3], asked[2]); // the setting reached the labelled run ...
+    EXPECT_EQ(asked[4], asked[2]); // ... and no other
+}
+
+TEST(Cli, WrongLabelsAreRefused)
+{
+    const std::string scene = scene_file();
+    expect_refused({"bench", scene, "--algorithms", "magic@x"}, {"'magic'", "chc_plus_plus"});
+    expect_refused({"bench", scene, "--algorithms", "chc@"}, {"'chc@'", "chc@other"});
+    expect_refused({"bench", scene, "--algorithms", "chc@a.b"}, {"'chc@a.b'", "letters"});
+    expect_refused({"bench", scene, "--algorithms", "chc@a", "--set", "chc.threshold=1"},
+                   {"chc does not take part"});
+    expect_refused({"bench", scene, "--algorithms", "chc", "--set", "chc@a.threshold=1"},
+                   {"chc@a does not take part"});
+    expect_refused({"bench", scene, "--algorithms", "chc@a", "--set", "chc@a.no_such=1"},
+                   {"no_such"});
+}
+
 TEST(Cli, MissingBrokenAndEmptyScenesAreNamed)
 {
     expect_refused({"info", "no/such/scene.glb"}, {"no/such/scene.glb"});

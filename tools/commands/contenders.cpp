@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <set>
 
 namespace occlude::tools {
@@ -13,6 +14,19 @@ namespace occlude::tools {
 namespace {
 
 constexpr std::array<std::string_view, 3> kReferences = {"frustum", "opt", "ideal"};
+
+// A run by its name: an algorithm, and after '@' a label that tells runs of it apart.
+struct RunName {
+    std::string algorithm;
+    std::string label; // empty: none
+};
+
+RunName parse_run_name(const std::string& text)
+{
+    const size_t at = text.find('@');
+    return at == std::string::npos ? RunName{text, ""}
+                                   : RunName{text.substr(0, at), text.substr(at + 1)};
+}
 
 std::string all_names()
 {
@@ -28,37 +42,56 @@ bool runs_on(const AlgorithmInfo& info, const DeviceCaps& caps)
     return !info.needs.depth_read || caps.read_depth;
 }
 
+Result<bool> check_name(const std::string& text, const DeviceCaps& caps)
+{
+    const RunName name = parse_run_name(text);
+    const AlgorithmInfo* info = find_algorithm(name.algorithm);
+    if (info == nullptr) {
+        return Error{ErrorCode::not_found,
+                     fmt::format("--algorithms: there is no algorithm '{}'; choose all, exact, "
+                                 "or from: {}",
+                                 name.algorithm, all_names())};
+    }
+    const bool plain = std::all_of(name.label.begin(), name.label.end(), [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+    });
+    if (!plain || (name.label.empty() && text.back() == '@')) {
+        return Error{ErrorCode::invalid_argument,
+                     fmt::format("--algorithms: '{}' has no proper label; write ALGORITHM@LABEL "
+                                 "with a label of letters, digits, '_' and '-', such as {}@other",
+                                 text, name.algorithm)};
+    }
+    if (!runs_on(*info, caps)) {
+        return Error{ErrorCode::unsupported,
+                     fmt::format("--algorithms: {} reads the depth buffer, which the device "
+                                 "'{}' does not offer; choose another --device",
+                                 text, caps.name)};
+    }
+    return true;
+}
+
+// The names of all runs, as typed.
 Result<std::set<std::string>> chosen_names(const std::string& list, const DeviceCaps& caps)
 {
     std::set<std::string> chosen;
-    if (list == "all" || list == "exact") {
-        for (const AlgorithmInfo& info : algorithms()) {
-            if (runs_on(info, caps) && (info.exact || list == "all")) {
-                chosen.insert(info.name);
+    for (const std::string& part : split_commas(list)) {
+        if (part == "all" || part == "exact") {
+            for (const AlgorithmInfo& info : algorithms()) {
+                if (runs_on(info, caps) && (info.exact || part == "all")) {
+                    chosen.insert(info.name);
+                }
             }
+            continue;
         }
-        return chosen;
-    }
-    for (const std::string& name : split_commas(list)) {
-        const AlgorithmInfo* info = find_algorithm(name);
-        if (info == nullptr) {
-            return Error{ErrorCode::not_found,
-                         fmt::format("--algorithms: there is no algorithm '{}'; choose all, exact, "
-                                     "or from: {}",
-                                     name, all_names())};
+        if (const auto checked = check_name(part, caps); !checked) {
+            return checked.error();
         }
-        if (!runs_on(*info, caps)) {
-            return Error{ErrorCode::unsupported,
-                         fmt::format("--algorithms: {} reads the depth buffer, which the device "
-                                     "'{}' does not offer; choose another --device",
-                                     name, caps.name)};
-        }
-        chosen.insert(name);
+        chosen.insert(part);
     }
     return chosen;
 }
 
-Result<std::vector<OptionValue>> settings_of(const AlgorithmInfo& info,
+Result<std::vector<OptionValue>> settings_of(const std::string& run,
                                              std::span<const std::string> sets)
 {
     std::vector<OptionValue> values;
@@ -67,7 +100,7 @@ Result<std::vector<OptionValue>> settings_of(const AlgorithmInfo& info,
         if (!set) {
             return set.error();
         }
-        if (set->algorithm == info.name) {
+        if (set->algorithm == run) {
             values.emplace_back(set->option, set->value);
         }
     }
@@ -82,7 +115,7 @@ Result<bool> check_settings(std::span<const std::string> sets, const std::set<st
         if (!set) {
             return set.error();
         }
-        if (find_algorithm(set->algorithm) == nullptr) {
+        if (find_algorithm(parse_run_name(set->algorithm).algorithm) == nullptr) {
             return Error{ErrorCode::not_found,
                          fmt::format("--set {}: there is no algorithm '{}'; there are: {}", text,
                                      set->algorithm, all_names())};
@@ -114,17 +147,20 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
     }
     std::vector<Contender> contenders;
     for (const AlgorithmInfo& info : algorithms()) {
-        if (!chosen->contains(info.name)) {
-            continue;
+        for (const std::string& run : *chosen) { // the one without a label first
+            if (parse_run_name(run).algorithm != info.name) {
+                continue;
+            }
+            const auto settings = settings_of(run, sets);
+            if (!settings) {
+                return settings.error();
+            }
+            contenders.push_back({run,
+                                  [name = info.name, values = *settings](const Hierarchy& tree) {
+                                      return make_culler(name, tree, values);
+                                  },
+                                  info.remembers});
         }
-        const auto settings = settings_of(info, sets);
-        if (!settings) {
-            return settings.error();
-        }
-        contenders.push_back(
-            {info.name, [name = info.name, values = *settings](const Hierarchy& hierarchy) {
-                 return make_culler(name, hierarchy, values);
-             }});
     }
     return contenders;
 }

@@ -1,5 +1,6 @@
 #include "commands/session.h"
 
+#include "measure/timing_device.h"
 #include "scenes/exact_split.h"
 
 #include <occlude/hierarchy/hierarchy_kinds.h>
@@ -58,12 +59,25 @@ Session::Session(SceneModel model, const StageOptions& options)
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
 {
+    const Clock clock = steady_clock();
+    const double start = clock();
     if (options.hierarchy == kTwoLevel) { // knows of objects, not only of items
         two_level_ = std::make_unique<TwoLevelScene>(two_level_options());
         two_level_->sync(scene_.scene);
     } else {
         hierarchy_ = build(scene_.scene.item_bounds());
     }
+    preparation_.hierarchy_seconds = clock() - start;
+    preparation_.uncut_triangles = model_.uncut_triangles;
+}
+
+Preparation Session::preparation() const
+{
+    Preparation preparation = preparation_;
+    if (motion_) {
+        preparation.tree_update_ms = motion_->tree_update_ms();
+    }
+    return preparation;
 }
 
 TwoLevelOptions Session::two_level_options() const
@@ -129,7 +143,10 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
     if (const auto checked = check_stage_options(options); !checked) {
         return checked.error();
     }
+    const Clock clock = steady_clock();
+    const double start = clock();
     auto model = load_scene(scene, scene_options(options));
+    const double load_seconds = clock() - start;
     if (!model) {
         return model.error();
     }
@@ -140,6 +157,7 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
                                  scene)};
     }
     std::unique_ptr<Session> session{new Session{std::move(*model), options}};
+    session->preparation_.load_seconds = load_seconds;
     if (const auto made = session->make_renderer(notes); !made) {
         return made.error();
     }
