@@ -1,4 +1,5 @@
 #include "scenes/city_generator.h"
+#include "tools/scene_checks.h"
 
 #include <occlude/core/rng.h>
 
@@ -7,44 +8,13 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <set>
 
 namespace occlude::tools {
 namespace {
 
-uint64_t hash_of(const SceneModel& model)
-{
-    uint64_t hash = 0;
-    const auto add = [&](float value) { hash = hash64(hash, std::bit_cast<uint32_t>(value)); };
-    for (const Mesh& mesh : model.meshes) {
-        for (const glm::vec3& p : mesh.positions) {
-            add(p.x);
-            add(p.y);
-            add(p.z);
-        }
-        for (uint32_t index : mesh.indices) {
-            hash = hash64(hash, index);
-        }
-    }
-    for (const Instance& instance : model.instances) {
-        hash = hash64(hash, instance.mesh);
-        for (int column = 0; column < 4; ++column) {
-            for (int row = 0; row < 3; ++row) {
-                add(instance.world_from_mesh[column][row]);
-            }
-        }
-        add(instance.color.x);
-    }
-    for (const SceneModel::NamedPath& path : model.paths) {
-        for (const Keyframe& key : path.keys) {
-            add(key.time);
-            add(key.camera.eye.x);
-            add(key.camera.target.z);
-        }
-    }
-    return hash;
-}
+using test::hash_of;
+using test::SegmentTester;
 
 SceneModel city(const std::string& source)
 {
@@ -127,56 +97,18 @@ TEST(City, MeshesAreSound)
     EXPECT_GT(bounds.min.y, -1.0f);
 }
 
-/// True if some triangle of the scene cuts the segment.
-bool hits(const SceneModel& model, const glm::vec3& from, const glm::vec3& to)
-{
-    const Aabb way{glm::min(from, to), glm::max(from, to)};
-    for (const Instance& instance : model.instances) {
-        const Mesh& mesh = model.meshes[instance.mesh];
-        const glm::mat4& m = instance.world_from_mesh;
-        for (const MeshPart& part : mesh.parts) {
-            const Aabb box = transformed(m, part.box);
-            if (glm::any(glm::greaterThan(box.min, way.max)) ||
-                glm::any(glm::lessThan(box.max, way.min))) {
-                continue;
-            }
-            for (uint32_t i = part.first_index; i < part.first_index + part.index_count; i += 3) {
-                const auto at = [&](uint32_t k) {
-                    return glm::vec3{m * glm::vec4{mesh.positions[mesh.indices[i + k]], 1.0f}};
-                };
-                const glm::vec3 a = at(0);
-                const glm::vec3 e1 = at(1) - a;
-                const glm::vec3 e2 = at(2) - a;
-                const glm::vec3 p = glm::cross(to - from, e2);
-                const float det = glm::dot(e1, p);
-                if (std::abs(det) < 1e-9f) {
-                    continue;
-                }
-                const glm::vec3 s = from - a;
-                const float u = glm::dot(s, p) / det;
-                const glm::vec3 q = glm::cross(s, e1);
-                const float v = glm::dot(to - from, q) / det;
-                const float t = glm::dot(e2, q) / det;
-                if (u >= 0.0f && v >= 0.0f && u + v <= 1.0f && t >= 0.0f && t <= 1.0f) {
-                    return true;
-                }
-            }
-        }
-    }
-    return false;
-}
-
 TEST(City, TheWalkStaysInTheStreetsAtEyeHeight)
 {
     const SceneModel model = city("city:blocks=6,seed=2,triangles=1m");
     const std::vector<Keyframe>& walk = path_of(model, "street");
     ASSERT_GT(walk.size(), 50u);
+    const SegmentTester tester(model);
     float length = 0.0f;
     for (size_t i = 1; i < walk.size(); ++i) {
         const glm::vec3& from = walk[i - 1].camera.eye;
         const glm::vec3& to = walk[i].camera.eye;
         EXPECT_NEAR(to.y, 1.7f, 0.05f);
-        EXPECT_FALSE(hits(model, from, to)) << "between keys " << i - 1 << " and " << i;
+        EXPECT_FALSE(tester.hits(from, to)) << "between keys " << i - 1 << " and " << i;
         length += glm::distance(from, to);
     }
     EXPECT_GT(length, 100.0f);
@@ -187,13 +119,14 @@ TEST(City, StreetsAreClosedInByFacades)
 {
     const SceneModel model = city("city:blocks=6,seed=2,triangles=1m");
     const std::vector<Keyframe>& walk = path_of(model, "street");
+    const SegmentTester tester(model);
     // From the middle of a block's side, a look across the street ends at a facade.
     const glm::vec3 eye = walk.front().camera.eye;
     size_t closed = 0;
     for (int i = -4; i <= 4; ++i) {
         const glm::vec3 aside{0.4f * static_cast<float>(i), 0.6f, 1.0f};
-        closed += hits(model, eye, eye + 30.0f * aside);
-        closed += hits(model, eye, eye - 30.0f * aside * glm::vec3{1.0f, -1.0f, 1.0f});
+        closed += tester.hits(eye, eye + 30.0f * aside);
+        closed += tester.hits(eye, eye - 30.0f * aside * glm::vec3{1.0f, -1.0f, 1.0f});
     }
     EXPECT_EQ(closed, 18u);
 }
@@ -260,7 +193,7 @@ TEST(Generators, AreListedWithTheirParameters)
             load_scene(info.name == "city" ? "city:blocks=2,triangles=100k" : info.name);
         EXPECT_TRUE(model) << info.name;
     }
-    EXPECT_EQ(names, (std::set<std::string>{"blobs", "boxes", "city", "movers"}));
+    EXPECT_EQ(names, (std::set<std::string>{"blobs", "boxcity", "boxes", "city", "movers"}));
 }
 
 TEST(Boxes, AreAsManyAsAskedForAndFollowTheirSeed)

@@ -1,104 +1,21 @@
 #include "scenes/assimp_loader.h"
+#include "scenes/boxcity_generator.h"
 #include "scenes/boxes_generator.h"
 #include "scenes/city_generator.h"
 #include "scenes/exact_split.h"
 #include "scenes/moving_generators.h"
+#include "scenes/parameters.h"
 #include "scenes/scene_source.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <utility>
 
 namespace occlude::tools {
 namespace {
-
-/// A whole number that the user may set: where it goes, and what is allowed.
-struct Parameter {
-    std::string_view key;
-    uint64_t* value;
-    uint64_t least;
-    uint64_t most;
-};
-
-Error bad_parameter(std::string_view source, const std::string& what)
-{
-    return {ErrorCode::invalid_argument, fmt::format("{}: {}", source, what)};
-}
-
-/// A whole number with an optional suffix k (thousand) or m (million): "10m", "1.5m", "250k".
-std::optional<uint64_t> parse_count(std::string_view text)
-{
-    uint64_t scale = 1;
-    if (!text.empty() && (text.back() == 'k' || text.back() == 'K')) {
-        scale = 1000;
-    } else if (!text.empty() && (text.back() == 'm' || text.back() == 'M')) {
-        scale = 1000000;
-    }
-    if (scale > 1) {
-        text.remove_suffix(1);
-    }
-    uint64_t whole = 0;
-    const char* end = text.data() + text.size();
-    const auto [at, failed] = std::from_chars(text.data(), end, whole);
-    constexpr uint64_t kMost = 1000000000000;
-    if (failed != std::errc{} || whole > kMost) {
-        return std::nullopt;
-    }
-    uint64_t value = whole * scale;
-    if (at != end) {
-        if (*at != '.' || scale == 1 || at + 1 == end) {
-            return std::nullopt;
-        }
-        for (const char* digit = at + 1; digit != end; ++digit) {
-            if (*digit < '0' || *digit > '9') {
-                return std::nullopt;
-            }
-            scale /= 10;
-            value += scale * static_cast<uint64_t>(*digit - '0');
-        }
-    }
-    return value;
-}
-
-/// Reads "key=value,key=value" into `parameters`.
-std::optional<Error> parse_parameters(std::string_view source, std::string_view text,
-                                      std::span<const Parameter> parameters)
-{
-    std::string known;
-    for (const Parameter& parameter : parameters) {
-        known += fmt::format("{}{}", known.empty() ? "" : ", ", parameter.key);
-    }
-    while (!text.empty()) {
-        const std::string_view entry = text.substr(0, text.find(','));
-        text.remove_prefix(std::min(text.size(), entry.size() + 1));
-        const size_t equals = entry.find('=');
-        const std::string_view key = entry.substr(0, equals);
-        const Parameter* found = nullptr;
-        for (const Parameter& parameter : parameters) {
-            if (parameter.key == key) {
-                found = &parameter;
-            }
-        }
-        if (found == nullptr) {
-            return bad_parameter(source,
-                                 fmt::format("unknown parameter '{}'; known are {}", key, known));
-        }
-        const std::string_view digits =
-            equals == std::string_view::npos ? std::string_view{} : entry.substr(equals + 1);
-        const auto value = parse_count(digits);
-        if (!value || *value < found->least || *value > found->most) {
-            return bad_parameter(source, fmt::format("'{}' is not a value for {}; give a whole "
-                                                     "number from {} to {} (10k, 1.5m allowed)",
-                                                     digits, key, found->least, found->most));
-        }
-        *found->value = *value;
-    }
-    return std::nullopt;
-}
 
 Result<SceneModel> make_city(std::string_view source, std::string_view text,
                              const SceneOptions& options)
@@ -107,7 +24,7 @@ Result<SceneModel> make_city(std::string_view source, std::string_view text,
     uint64_t blocks = city.blocks;
     const std::array parameters{
         Parameter{"blocks", &blocks, 1, 64},
-        Parameter{"seed", &city.seed, 0, 1000000000000},
+        Parameter{"seed", &city.seed, 0, kMostSeed},
         Parameter{"triangles", &city.triangles, 1000, 200000000},
     };
     if (const auto problem = parse_parameters(source, text, parameters)) {
@@ -126,13 +43,28 @@ Result<SceneModel> make_boxes(std::string_view source, std::string_view text,
     uint64_t count = boxes.count;
     const std::array parameters{
         Parameter{"count", &count, 1, 10000000},
-        Parameter{"seed", &boxes.seed, 0, 1000000000000},
+        Parameter{"seed", &boxes.seed, 0, kMostSeed},
     };
     if (const auto problem = parse_parameters(source, text, parameters)) {
         return *problem;
     }
     boxes.count = static_cast<uint32_t>(count);
     return generate_boxes(boxes, options);
+}
+
+Result<SceneModel> make_boxcity(std::string_view source, std::string_view text,
+                                const SceneOptions& options)
+{
+    BoxCityOptions city;
+    const std::array parameters{
+        Parameter{"count", &city.count, 100, 1000000},
+        Parameter{"triangles", &city.triangles, 12, 10000},
+        Parameter{"seed", &city.seed, 0, kMostSeed},
+    };
+    if (const auto problem = parse_parameters(source, text, parameters)) {
+        return *problem;
+    }
+    return generate_boxcity(city, options);
 }
 
 /// `count`, `seed` and `triangles` into an options struct of a scene that moves.
@@ -143,7 +75,7 @@ std::optional<Error> parse_moving(std::string_view source, std::string_view text
     uint64_t count = options.count;
     const std::array parameters{
         Parameter{"count", &count, 1, 1000000},
-        Parameter{"seed", &options.seed, 0, 1000000000000},
+        Parameter{"seed", &options.seed, 0, kMostSeed},
         Parameter{"triangles", &options.triangles, 12, most_triangles},
     };
     auto problem = parse_parameters(source, text, parameters);
@@ -177,9 +109,9 @@ struct Generator {
                                const SceneOptions& options);
 };
 
-const std::array<Generator, 4>& registry()
+std::span<const Generator> registry()
 {
-    static const std::array<Generator, 4> kGenerators{
+    static const std::array kGenerators{
         Generator{{"city", "blocks=16,seed=1,triangles=10m",
                    "streets between blocks of buildings with windows, balconies, roofs and street "
                    "furniture; blocks: per side"},
@@ -194,6 +126,11 @@ const std::array<Generator, 4>& registry()
                    "interpenetrating blobs that move straight in a crowd, as the bunnies of the "
                    "literature do; triangles: of each"},
                   make_blobs},
+        Generator{
+            {"boxcity", "count=40k,triangles=12,seed=1",
+             "a city in which every object is one box: buildings, and blocks and boxes beside "
+             "and on them; triangles: of each"},
+            make_boxcity},
     };
     return kGenerators;
 }
