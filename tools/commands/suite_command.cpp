@@ -274,10 +274,15 @@ Result<int> measure_suite(const SuiteOptions& options, const Suite& suite, const
     }
     std::vector<BenchDocument> documents;
     bool kept = true;
+    std::string failures; // an entry that cannot be measured does not keep the others from it
+    ErrorCode first_failure{};
     for (const SuiteEntry& entry : *entries) {
         auto document = measure_entry(entry, options, streams);
         if (!document) {
-            return document.error();
+            first_failure = failures.empty() ? document.error().code : first_failure;
+            failures += fmt::format("{}{}: {}", failures.empty() ? "" : "; ", entry.name,
+                                    document.error().message);
+            continue;
         }
         streams.out << entry.name << '\n' << bench_table(*document) << std::endl;
         print_broken_promises(document->runs, streams.out);
@@ -289,6 +294,9 @@ Result<int> measure_suite(const SuiteOptions& options, const Suite& suite, const
     }
     if (const auto written = tables->write(documents); !written) {
         return written.error();
+    }
+    if (!failures.empty()) {
+        return Error{first_failure, "not measured: " + failures};
     }
     return kept ? kDone : kDiffers;
 }

@@ -102,11 +102,11 @@ std::string run_row(const EntryResult& entry, const RunResult& run)
         return readable(run[fmt::format("per_frame.{}", name)]);
     };
     const RunResult* frustum = entry.run("frustum");
-    const double gain = frustum != nullptr ? (*frustum)["frame_ms.mean"] / run["frame_ms.mean"]
+    const double gain = frustum != nullptr ? (*frustum)["frame_ms.median"] / run["frame_ms.median"]
                                            : std::numeric_limits<double>::quiet_NaN();
     const double differing = run["differing_pixels"];
     return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", run.algorithm,
-                       readable(run["frame_ms.mean"]), readable(gain), counter("triangles_drawn"),
+                       readable(run["frame_ms.median"]), readable(gain), counter("triangles_drawn"),
                        counter("items_drawn"), counter("queries"), counter("cells_asked"),
                        counter("state_changes"),
                        std::isnan(differing) ? "-"
@@ -154,8 +154,9 @@ std::string papers_report(const SuiteResults& results)
         "# The papers' figures, and ours\n\n"
         "Written by `occlude bench --suite papers --scale {}`; not by hand. Scale: **{}** ({}). "
         "Device: {}.\n\n{}"
-        "Times are means over the measured frames, algorithms interleaved frame by frame in one "
-        "run; between them, all algorithms that remember frames cull the whole path. Ratios of "
+        "Times are medians over the measured frames (the papers: totals or means), algorithms "
+        "interleaved frame by frame in one run; between them, all algorithms that remember frames "
+        "cull the whole path. Ratios of "
         "counters carry over to other machines where milliseconds do not. `frustum`, their "
         "common denominator, has the same renderer, sorting and tree. Images are compared on a "
         "part of the measured frames, as the tables of the runs say.\n\n",
@@ -167,8 +168,9 @@ std::string papers_report(const SuiteResults& results)
     for (const Paper& paper : papers()) {
         text += paper_section(paper, rows_of(results, paper.key));
     }
-    text += "## The runs\n\nMeans per frame; *gain* is the time of `frustum` over that of the "
-            "algorithm.\n\n";
+    text += "## The runs\n\nMedian milliseconds, mean counters per frame; *gain* is the time of "
+            "`frustum` "
+            "over that of the algorithm.\n\n";
     for (const EntryResult& entry : results.entries) {
         text += entry_section(entry);
     }
