@@ -33,11 +33,11 @@ bool is_elongated(const Aabb& box, float ratio)
 }
 
 Containment classify_sphere_first(const Frustum& frustum, const BoundingSphere& sphere,
-                                  const Aabb& box, float elongation_ratio)
+                                  const Aabb& box, PlaneMask& mask, float elongation_ratio)
 {
-    const Containment ball = frustum.classify_sphere(sphere.center, sphere.radius);
+    const Containment ball = frustum.classify_sphere(sphere.center, sphere.radius, mask);
     const bool ask_box = ball == Containment::intersects && is_elongated(box, elongation_ratio);
-    return ask_box ? frustum.classify(box) : ball;
+    return ask_box ? frustum.classify(box, mask) : ball;
 }
 
 } // namespace occlude

@@ -24,8 +24,16 @@ bool is_elongated(const Aabb& box, float ratio = 2.0f);
 /// Where `box` lies, found with its ball first: if the ball is inside or outside, that is the
 /// answer; else the box itself is asked if it is elongated, and others intersect. `sphere` must
 /// contain the box: keep it with the object. Errs toward `intersects` more than
-/// Frustum::classify(box): `outside` and `inside` are certain.
+/// Frustum::classify(box): `outside` and `inside` are certain. Tests only the planes in `mask`, and
+/// clears the bits of those that the ball, or the box if it was asked, is inside of.
 Containment classify_sphere_first(const Frustum& frustum, const BoundingSphere& sphere,
-                                  const Aabb& box, float elongation_ratio = 2.0f);
+                                  const Aabb& box, PlaneMask& mask, float elongation_ratio = 2.0f);
+
+inline Containment classify_sphere_first(const Frustum& frustum, const BoundingSphere& sphere,
+                                         const Aabb& box, float elongation_ratio = 2.0f)
+{
+    PlaneMask mask = Frustum::kAllPlanes;
+    return classify_sphere_first(frustum, sphere, box, mask, elongation_ratio);
+}
 
 } // namespace occlude

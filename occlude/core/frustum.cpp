@@ -74,7 +74,7 @@ Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
     return mask == 0 ? Containment::inside : Containment::intersects;
 }
 
-Containment Frustum::classify_sphere(const glm::vec3& center, float radius) const
+Containment Frustum::classify_sphere(const glm::vec3& center, float radius, PlaneMask& mask) const
 {
     if (radius < 0.0f) {
         return Containment::outside;
@@ -83,23 +83,25 @@ Containment Frustum::classify_sphere(const glm::vec3& center, float radius) cons
         return Containment::intersects;
     }
     constexpr float kSlop = 1e-6f; // as for boxes
-    Containment result = Containment::inside;
-    for (const glm::vec4& plane : planes_) {
-        const glm::vec3 normal{plane};
-        const float distance = glm::dot(normal, center) + plane.w;
-        const float slop =
-            kSlop * (glm::dot(glm::abs(normal), glm::abs(center)) + std::abs(plane.w) + radius);
-        if (normal == glm::vec3{0.0f}) {
-            continue; // bounds nothing
+    for (size_t i = 0; i < planes_.size(); ++i) {
+        const auto bit = static_cast<PlaneMask>(1u << i);
+        if ((mask & bit) == 0) {
+            continue;
         }
-        if (distance + radius < -slop) {
+        const glm::vec3 normal{planes_[i]};
+        const float offset = planes_[i].w;
+        const float distance = glm::dot(normal, center) + offset;
+        const float slop =
+            kSlop * (glm::dot(glm::abs(normal), glm::abs(center)) + std::abs(offset) + radius);
+        const bool bounds_nothing = normal == glm::vec3{0.0f};
+        if (!bounds_nothing && distance + radius < -slop) {
             return Containment::outside;
         }
-        if (distance - radius < slop) {
-            result = Containment::intersects;
+        if (bounds_nothing || distance - radius >= slop) {
+            mask = static_cast<PlaneMask>(mask & ~bit);
         }
     }
-    return result;
+    return mask == 0 ? Containment::inside : Containment::intersects;
 }
 
 } // namespace occlude

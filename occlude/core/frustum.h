@@ -66,7 +66,15 @@ public:
     /// Where the ball around `center` lies. As with boxes: `outside` and `inside` are certain, near
     /// an edge of the frustum the answer may be `intersects` although the ball is wholly outside. A
     /// ball that is not finite intersects; one of negative radius is empty, so outside.
-    Containment classify_sphere(const glm::vec3& center, float radius) const;
+    Containment classify_sphere(const glm::vec3& center, float radius) const
+    {
+        PlaneMask mask = kAllPlanes;
+        return classify_sphere(center, radius, mask);
+    }
+
+    /// The same, testing only the planes in `mask`; clears the bits of the planes that the whole
+    /// ball is inside of.
+    Containment classify_sphere(const glm::vec3& center, float radius, PlaneMask& mask) const;
 
 private:
     std::array<glm::vec4, plane_count> planes_{};

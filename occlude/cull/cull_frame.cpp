@@ -1,6 +1,7 @@
 #include <occlude/cull/cull_frame.h>
 
 #include <occlude/core/assert.h>
+#include <occlude/core/bounding_sphere.h>
 
 #include <algorithm>
 
@@ -61,6 +62,18 @@ bool CullFrame::visit(NodeId node, PlaneMask& mask)
 {
     ++report_.counters.nodes_visited;
     if (view_.frustum().classify(hierarchy_.node(node).box, mask) == Containment::outside) {
+        culler_.decisions_.add(node, Decision::outside);
+        return false;
+    }
+    return true;
+}
+
+bool CullFrame::visit_sphere_first(NodeId node, PlaneMask& mask, float elongation)
+{
+    ++report_.counters.nodes_visited;
+    const Aabb& box = hierarchy_.node(node).box;
+    if (classify_sphere_first(view_.frustum(), bounding_sphere(box), box, mask, elongation) ==
+        Containment::outside) {
         culler_.decisions_.add(node, Decision::outside);
         return false;
     }

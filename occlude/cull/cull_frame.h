@@ -70,6 +70,10 @@ public:
     /// that its descendants need not test. Counts one visited node.
     bool visit(NodeId node, PlaneMask& mask);
 
+    /// The same by the ball around the node's box first (classify_sphere_first()), with its box only
+    /// if it is longer than `elongation`: true for some more nodes that are outside.
+    bool visit_sphere_first(NodeId node, PlaneMask& mask, float elongation);
+
     /// Rule R1: the near plane may touch the node's (inflated) box, so that it must not be tested.
     bool near(NodeId node) const;
 

@@ -28,6 +28,13 @@ float screen_share(const View& view, const Aabb& box)
     return size.x > 0.0f && size.y > 0.0f ? 0.25f * size.x * size.y : 0.0f;
 }
 
+bool ObjectTests::in_frustum(CullFrame& frame, NodeId node, PlaneMask& mask) const
+{
+    return options_.sphere_elongation > 0.0f
+               ? frame.visit_sphere_first(node, mask, options_.sphere_elongation)
+               : frame.visit(node, mask);
+}
+
 std::span<const ObjectTests::Object> ObjectTests::collect_near_to_far(CullFrame& frame)
 {
     const Hierarchy& hierarchy = frame.hierarchy();
@@ -36,7 +43,7 @@ std::span<const ObjectTests::Object> ObjectTests::collect_near_to_far(CullFrame&
     while (!stack_.empty()) {
         auto [node, mask] = stack_.back();
         stack_.pop_back();
-        if (!frame.visit(node, mask)) {
+        if (!in_frustum(frame, node, mask)) {
             continue;
         }
         const Node& n = hierarchy.node(node);

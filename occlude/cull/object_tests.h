@@ -30,6 +30,10 @@ struct ObjectTestOptions {
     uint32_t sub_box_depth = 3;
     /// The sub-boxes' area is at most this many times the object's box's.
     float sub_box_area = 1.4f;
+    /// 29.6.4: the walk holds the ball around a node's box against the frustum first, and asks the
+    /// box only if the ball intersects and the largest extent is more than this many times the
+    /// second. 0: boxes alone. Errs toward more nodes: images do not change.
+    float sphere_elongation = 0.0f;
 };
 
 /// The share of the screen that the box's rectangle on it covers: 0 for a box beside the screen, 1
@@ -65,6 +69,8 @@ private:
         PlaneMask mask;
     };
 
+    bool in_frustum(CullFrame& frame, NodeId node, PlaneMask& mask) const;
+
     ObjectTestOptions options_;
     std::vector<Object> objects_;
     std::vector<Open> stack_;
@@ -82,6 +88,8 @@ void visit_options(ObjectTestOptions& o, Visit&& visit)
     visit("high_resolution", o.high_resolution, "... on targets of at least so many pixels");
     visit("sub_box_depth", o.sub_box_depth, "levels of an object's sub-boxes; 0: one box");
     visit("sub_box_area", o.sub_box_area, "their area over the area of the object's box");
+    visit("sphere_elongation", o.sphere_elongation,
+          "frustum tests by balls first, by boxes if longer than this; 0: boxes alone");
 }
 
 } // namespace occlude

@@ -21,7 +21,7 @@ void Prioritized::prepare(const CullFrame& frame)
     hidden_.clear();
     front_.clear();
     triangles_ = 0;
-    start_ = clock_ ? clock_() : 0.0;
+    start_ = clock_ && options_.budget_time > 0.0 ? clock_() : 0.0;
     if (grid_.grids().empty()) {
         return;
     }
@@ -102,7 +102,8 @@ bool Prioritized::spent(CullFrame& frame)
     if (frame.queued_triangles() >= options_.chunk_triangles) {
         frame.flush_draws();
     }
-    return clock_() - start_ >= options_.budget_time;
+    constexpr double kMsPerSecond = 1000.0;
+    return kMsPerSecond * (clock_() - start_) >= options_.budget_time;
 }
 
 bool Prioritized::any_left(const CullFrame& frame, const CellGrid::Cell& cell) const

@@ -17,7 +17,7 @@
 //             what is in them, in batches: never more tests than occupied cells.
 // Guarantees  approximate, with nothing promised of what is missing; exact with `finish`, as then
 //             every item in the frustum is drawn, or all its cells were found hidden in this frame.
-// Cost        the budget, in triangles or in units of the clock, overrun by at most a cell or by
+// Cost        the budget, in triangles or in milliseconds of the clock, overrun by at most a cell or by
 //             `chunk_triangles`. One step per cell of the grid, empty ones included. With
 //             `finish`, one test per cell that the budget left out, and what they reveal.
 #pragma once
@@ -35,7 +35,7 @@ namespace occlude {
 struct PrioritizedOptions {
     /// Triangles to draw per frame before the finish; 0: no limit.
     uint64_t budget_triangles = 100000;
-    /// Clock units to draw per frame before the finish; 0, or without a clock: no limit.
+    /// Milliseconds to draw per frame before the finish; 0, or without a clock: no limit.
     double budget_time = 0.0;
     /// Draw what the budget left out and tests find visible (cPLP): exact.
     bool finish = false;
@@ -49,8 +49,9 @@ struct PrioritizedOptions {
 
 class Prioritized final : public Culler {
 public:
-    /// `clock` gives a time that rises; any unit. What it measures is the time to issue draws,
-    /// which is the time to draw only where the device draws at once or the clock asks it.
+    /// `clock` gives seconds that rise. What it measures is the time to issue draws, which is the
+    /// time to draw only where the device draws at once or the clock asks it. Never asked without a
+    /// time budget.
     explicit Prioritized(const Hierarchy& hierarchy, PrioritizedOptions options = {},
                          std::function<double()> clock = {})
         : Culler(hierarchy)
@@ -114,7 +115,7 @@ template <class Visit>
 void visit_options(PrioritizedOptions& o, Visit&& visit)
 {
     visit("budget_triangles", o.budget_triangles, "triangles per frame; 0 is no limit");
-    visit("budget_time", o.budget_time, "clock units per frame; 0, or without a clock, no limit");
+    visit("budget_time", o.budget_time, "milliseconds to draw per frame; 0 is no limit");
     visit("finish", o.finish, "draw what tests find visible beyond the budget: exact");
     visit("cell_triangles", o.cell_triangles, "triangles per cell on average: the size of cells");
     visit("chunk_triangles", o.chunk_triangles, "triangles between two looks at the clock");

@@ -13,10 +13,12 @@
 #include <occlude/cull/two_level.h>
 #include <occlude/cull/two_phase.h>
 #include <occlude/cull/uniform_grid.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <concepts>
 #include <limits>
 #include <type_traits>
 
@@ -137,9 +139,21 @@ std::string apply_option(Options& options, const OptionValue& setting)
     return problem;
 }
 
+// Whether these options count in time rather than in frames and triangles.
+bool wants_clock(const PrioritizedOptions& options)
+{
+    return options.budget_time > 0.0;
+}
+
+bool wants_clock(const StatisticalOptions& options)
+{
+    return options.time == StatisticalOptions::Time::clock;
+}
+
 template <class CullerType, class Options>
 Result<std::unique_ptr<Culler>> make(const Hierarchy& hierarchy,
-                                     std::span<const OptionValue> values)
+                                     std::span<const OptionValue> values,
+                                     [[maybe_unused]] SecondsClock clock)
 {
     Options options;
     for (const OptionValue& value : values) {
@@ -150,13 +164,37 @@ Result<std::unique_ptr<Culler>> make(const Hierarchy& hierarchy,
     }
     if constexpr (std::is_same_v<Options, NoOptions>) {
         return std::unique_ptr<Culler>{std::make_unique<CullerType>(hierarchy)};
+    } else if constexpr (std::constructible_from<CullerType, const Hierarchy&, Options,
+                                                 SecondsClock>) {
+        return std::unique_ptr<Culler>{std::make_unique<CullerType>(
+            hierarchy, options, wants_clock(options) ? std::move(clock) : SecondsClock{})};
     } else {
         return std::unique_ptr<Culler>{std::make_unique<CullerType>(hierarchy, options)};
     }
 }
 
+// What an algorithm does with the nodes of the hierarchy.
+enum class Tree {
+    walks,     ///< it descends from node to node
+    leaves,    ///< it tests leaves only: what lies in inner nodes it must draw
+    no_use_of, ///< it takes the items alone, into cells of its own or as they are
+};
+
+// Those with items in inner nodes do not suit algorithms that test leaves only.
+std::vector<std::string> suitable_hierarchies(Tree tree)
+{
+    std::vector<std::string> names;
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        if (tree == Tree::walks || (tree == Tree::leaves && !kind.items_in_inner_nodes)) {
+            names.emplace_back(kind.name);
+        }
+    }
+    return names;
+}
+
 template <class CullerType, class Options = NoOptions>
-AlgorithmInfo describe(std::string name, std::string paper, std::string summary, Needs needs)
+AlgorithmInfo describe(std::string name, std::string paper, std::string summary, Needs needs,
+                       Tree tree = Tree::walks)
 {
     return {std::move(name),
             std::move(paper),
@@ -164,6 +202,7 @@ AlgorithmInfo describe(std::string name, std::string paper, std::string summary,
             true,
             true,
             needs,
+            suitable_hierarchies(tree),
             describe_options<Options>(),
             &make<CullerType, Options>};
 }
@@ -197,10 +236,12 @@ std::vector<AlgorithmInfo> make_table()
         {.depth_read = true}));
     table.push_back(describe<UniformGrid, UniformGridOptions>(
         "uniform_grid", "Hillesland, Salomon, Lastra, Manocha 2002",
-        "tests the cells of a uniform or nested grid of its own, slab by slab", tests));
+        "tests the cells of a uniform or nested grid of its own, slab by slab", tests,
+        Tree::no_use_of));
     table.push_back(describe<Prioritized, PrioritizedOptions>(
         "prioritized", "Klosowski, Silva 2000; Correa, Klosowski, Silva 2003",
-        "draws the cells with least matter before them until a budget is spent", tests));
+        "draws the cells with least matter before them until a budget is spent", tests,
+        Tree::no_use_of));
     table.back().exact = PrioritizedOptions{}.finish;
     table.push_back(describe<TwoLevel, TwoLevelCullOptions>(
         "two_level", "Kovalcik, Tobola (two-level BSP)",
@@ -208,15 +249,16 @@ std::vector<AlgorithmInfo> make_table()
         tests));
     table.push_back(describe<BatchAndWait, BatchAndWaitOptions>(
         "batch_and_wait", "Sekulic 2004, 29.3",
-        "tests objects near to far, n queries and then n results", tests));
+        "tests objects near to far, n queries and then n results", tests, Tree::leaves));
     table.push_back(describe<NextFrame, NextFrameOptions>(
         "next_frame", "Sekulic 2004, 29.4",
-        "draws objects by the answers of the last frame: never stalls, pops for a frame", tests));
+        "draws objects by the answers of the last frame: never stalls, pops for a frame", tests,
+        Tree::leaves));
     table.back().exact = false;
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
-    table.push_back(
-        describe<Ideal>("ideal", "comparison", "draws the items that own a pixel", answer));
+    table.push_back(describe<Ideal>("ideal", "comparison", "draws the items that own a pixel",
+                                    answer, Tree::no_use_of));
     const std::array<std::string_view, 5> forgetful = {"frustum", "stop_and_wait", "lazy_grid",
                                                        "opt", "ideal"};
     for (AlgorithmInfo& info : table) {
@@ -245,7 +287,8 @@ const AlgorithmInfo* find_algorithm(std::string_view name)
 }
 
 Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
-                                            std::span<const OptionValue> options)
+                                            std::span<const OptionValue> options,
+                                            SecondsClock clock)
 {
     const AlgorithmInfo* info = find_algorithm(name);
     if (info == nullptr) {
@@ -256,7 +299,7 @@ Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarc
         return Error{ErrorCode::not_found,
                      "there is no algorithm '" + std::string{name} + "'; there are " + names};
     }
-    auto culler = info->make(hierarchy, options);
+    auto culler = info->make(hierarchy, options, std::move(clock));
     if (!culler) {
         return Error{culler.error().code, info->name + ": " + culler.error().message};
     }

@@ -5,6 +5,7 @@
 #include <occlude/core/result.h>
 #include <occlude/cull/culler.h>
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -29,6 +30,9 @@ struct Needs {
 
 using OptionValue = std::pair<std::string, std::string>;
 
+/// Seconds since some fixed moment; never goes back.
+using SecondsClock = std::function<double()>;
+
 struct AlgorithmInfo {
     std::string name;
     std::string paper; ///< who published it, or "baseline"
@@ -36,9 +40,12 @@ struct AlgorithmInfo {
     bool exact = true;     ///< with its default options
     bool remembers = true; ///< what it saw in a frame changes what it does in later ones
     Needs needs;
+    /// The kinds of hierarchies that suit it (hierarchy_kinds.h), in their order; on the others it
+    /// is right, but not what it could be. Empty: it makes no use of nodes, and all kinds are alike.
+    std::vector<std::string> hierarchies;
     std::vector<OptionInfo> options;
-    Result<std::unique_ptr<Culler>> (*make)(const Hierarchy&,
-                                            std::span<const OptionValue>) = nullptr;
+    Result<std::unique_ptr<Culler>> (*make)(const Hierarchy&, std::span<const OptionValue>,
+                                            SecondsClock) = nullptr;
 };
 
 /// All algorithms, in the order in which tables show them.
@@ -47,9 +54,12 @@ std::span<const AlgorithmInfo> algorithms();
 /// The algorithm of that name, or null.
 const AlgorithmInfo* find_algorithm(std::string_view name);
 
-/// A culler by name. Errors name the unknown algorithm or option and list what there is.
+/// A culler by name. `clock` is for options that count in time (`prioritized.budget_time`,
+/// `statistical.time`); it is not asked unless one of them is set, so that runs repeat, and without
+/// it they do nothing. Errors name the unknown algorithm or option and list what there is.
 Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
-                                            std::span<const OptionValue> options = {});
+                                            std::span<const OptionValue> options = {},
+                                            SecondsClock clock = {});
 
 /// Cullers that must be told beforehand what is visible derive from this too: call record() with
 /// the frame's view before the frame is culled. `opt` finds the leaves by an exact stop-and-wait

@@ -57,6 +57,12 @@ struct StatisticalOptions {
         all,    ///< all: nothing is under way when the pointer moves on
         oldest, ///< the oldest, and those after it that are there
     };
+    /// What make_culler() (registry.h) has the culler count time in. A clock that is given to the
+    /// constructor counts, whatever this says.
+    enum class Time : uint8_t {
+        frames, ///< frames: runs repeat
+        clock,  ///< seconds of the clock that make_culler() was given
+    };
 
     /// BASE_TIME, seconds. Smaller for a faster viewer; 0 tests every node in every frame.
     float base_time = 2.0f / 3.0f;
@@ -71,6 +77,7 @@ struct StatisticalOptions {
     uint32_t max_in_flight = 20;
     Issue issue = Issue::batch;
     Results results = Results::all;
+    Time time = Time::frames;
     /// Frames that make a second, where no clock is given.
     float frames_per_second = 60.0f;
     /// A node with at most this many visible samples is hidden. Above 0 the image is approximate.
@@ -144,6 +151,10 @@ constexpr std::array<std::string_view, 2> option_names(StatisticalOptions::Resul
 {
     return {"all", "oldest"};
 }
+constexpr std::array<std::string_view, 2> option_names(StatisticalOptions::Time)
+{
+    return {"frames", "clock"};
+}
 template <class Visit>
 void visit_options(StatisticalOptions& o, Visit&& visit)
 {
@@ -154,6 +165,7 @@ void visit_options(StatisticalOptions& o, Visit&& visit)
     visit("max_in_flight", o.max_in_flight, "tests under way at most");
     visit("issue", o.issue, "tests of a pass in one batch, or each at its place");
     visit("results", o.results, "answers taken before the pointer returns to the start");
+    visit("time", o.time, "what pauses are counted in; with a clock, runs do not repeat");
     visit("frames_per_second", o.frames_per_second, "frames that make a second of BASE_TIME");
     visit("threshold", o.threshold, "samples up to which a node is hidden; above 0 not exact");
     visit("seed", o.seed, "of the spreading");

@@ -11,6 +11,8 @@ namespace occlude {
 struct HierarchyKind {
     std::string_view name;
     std::string_view summary;
+    /// Items that no child holds whole stay in inner nodes; else only unbounded and empty boxes do.
+    bool items_in_inner_nodes = false;
     /// Builds it with its default options. Nodes of at most `leaf_triangles` triangles become
     /// virtual leaves; 0: none.
     Hierarchy (*build)(std::span<const ItemBounds> items, uint32_t leaf_triangles) = nullptr;

@@ -98,5 +98,36 @@ TEST(BoundingSphere, NeverContradictsTheBox)
     EXPECT_GT(decided, 10000);
 }
 
+TEST(BoundingSphere, ClearsOnlyPlanesThatTheWholeBoxIsInsideOf)
+{
+    const Frustum frustum = ahead();
+    Rng rng{12};
+    int cleared_some = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const glm::vec3 low{rng.range(-60.0f, 60.0f), rng.range(-60.0f, 60.0f),
+                            rng.range(-90.0f, 10.0f)};
+        const Aabb box{low, low + glm::vec3{rng.range(0.1f, 9.0f), rng.range(0.1f, 60.0f),
+                                            rng.range(0.1f, 9.0f)}};
+        PlaneMask by_box = Frustum::kAllPlanes;
+        PlaneMask by_ball = Frustum::kAllPlanes;
+        if (frustum.classify(box, by_box) == Containment::outside) {
+            continue;
+        }
+        classify_sphere_first(frustum, bounding_sphere(box), box, by_ball);
+        ASSERT_EQ(by_box & ~by_ball, 0) << "a plane that cuts the box was cleared";
+        cleared_some += by_ball != Frustum::kAllPlanes && by_ball != 0 ? 1 : 0;
+    }
+    EXPECT_GT(cleared_some, 1000);
+}
+
+TEST(BoundingSphere, PlanesThatAreNotAskedDoNotCull)
+{
+    const Frustum frustum = ahead();
+    const Aabb behind{glm::vec3{-1.0f, -1.0f, 5.0f}, glm::vec3{1.0f, 1.0f, 7.0f}};
+    PlaneMask none = 0;
+    EXPECT_EQ(classify_sphere_first(frustum, bounding_sphere(behind), behind, none),
+              Containment::inside);
+}
+
 } // namespace
 } // namespace occlude

@@ -66,6 +66,29 @@ TEST(BatchAndWait, SkipsTestsThatTheChapterAdvisesAgainst)
     EXPECT_EQ(queries({.skip_larger_than = 0.012f, .high_resolution = 64 * 64 + 1}), 4u);
 }
 
+TEST(BatchAndWait, BallsFirstVisitsWhatTheBallTouchesAndAsksOnlyElongatedBoxes)
+{
+    // Beside the right plane, x = -z, with balls that reach in; each with a cube that is in view.
+    const Aabb cube{{50.4f, -2.0f, -50.0f}, {54.4f, 2.0f, -46.0f}};
+    const Aabb pillar{{52.0f, -20.0f, -50.0f}, {53.0f, 20.0f, -49.0f}};
+    const auto tested_with = [](const Aabb& beside, float elongation) {
+        const std::vector<ItemBounds> items{{{{-2.0f, -2.0f, -50.0f}, {2.0f, 2.0f, -46.0f}}, 10},
+                                            {beside, 10}};
+        const Hierarchy tree = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 0});
+        ScriptedDevice device;
+        BatchAndWait culler{tree,
+                            {.occluder_share = 2.0f, .tests = {.sphere_elongation = elongation}}};
+        const FrameReport report = culler.cull(look_ahead(), device);
+        EXPECT_EQ(culler.drawn_items().size(), 1u) << "items are held against the frustum again";
+        return report.counters.queries;
+    };
+    EXPECT_EQ(tested_with(cube, 0.0f), 1u);
+    EXPECT_EQ(tested_with(pillar, 0.0f), 1u);
+    EXPECT_EQ(tested_with(cube, 2.0f), 2u);     // its ball touches, and no box is asked
+    EXPECT_EQ(tested_with(pillar, 2.0f), 1u);   // its box is asked
+    EXPECT_EQ(tested_with(pillar, 100.0f), 2u); // not elongated enough
+}
+
 TEST(BatchAndWait, ThresholdMakesItApproximate)
 {
     const Hierarchy tree = row_tree(1);

@@ -178,6 +178,7 @@ TEST(Exactness, BatchAndWait)
 {
     expect_exact({.algorithm = "batch_and_wait"});
     expect_exact({.algorithm = "batch_and_wait", .options = {{"batch_size", "3"}}});
+    expect_exact({.algorithm = "batch_and_wait", .options = {{"sphere_elongation", "1.5"}}});
     expect_exact({.algorithm = "batch_and_wait", .moving = true});
     expect_exact({.algorithm = "batch_and_wait", .late_answers = true});
 }

@@ -4,8 +4,12 @@
 
 #include <occlude/cull/decision_log.h>
 #include <occlude/device/scripted_device.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
 
 namespace occlude {
 namespace {
@@ -33,6 +37,63 @@ TEST(Registry, EveryOptionTakesItsOwnDefault)
             EXPECT_FALSE(option.description.empty());
         }
     }
+}
+
+TEST(Registry, SaysWhichHierarchiesSuitAnAlgorithm)
+{
+    using Names = std::vector<std::string>;
+    const Names all{"bvh", "bsp", "octree", "grid", "two_level"};
+    for (const AlgorithmInfo& info : algorithms()) {
+        for (const std::string& name : info.hierarchies) {
+            EXPECT_NE(find_hierarchy_kind(name), nullptr) << info.name << ": " << name;
+        }
+    }
+    EXPECT_EQ(find_algorithm("chc")->hierarchies, all);
+    EXPECT_EQ(find_algorithm("two_level")->hierarchies, all);
+    EXPECT_EQ(find_algorithm("next_frame")->hierarchies, (Names{"bvh", "octree", "grid"}));
+    EXPECT_TRUE(find_algorithm("uniform_grid")->hierarchies.empty());
+}
+
+TEST(Registry, WhatMakesNoUseOfNodesDecidesAlikeOnEveryHierarchy)
+{
+    const std::vector<ItemBounds> items = test::random_boxes(60, 1);
+    for (const AlgorithmInfo& info : algorithms()) {
+        if (!info.hierarchies.empty() || info.needs.visible_set) {
+            continue;
+        }
+        std::vector<ItemId> expected;
+        for (const HierarchyKind& kind : hierarchy_kinds()) {
+            const Hierarchy tree = kind.build(items, 0);
+            const auto culler = std::move(make_culler(info.name, tree).value());
+            ScriptedDevice device;
+            culler->cull(test::look_ahead(), device);
+            std::vector<ItemId> drawn(culler->drawn_items().begin(), culler->drawn_items().end());
+            std::sort(drawn.begin(), drawn.end());
+            expected = expected.empty() ? drawn : expected;
+            EXPECT_EQ(drawn, expected) << info.name << " on " << kind.name;
+        }
+    }
+}
+
+TEST(Registry, AClockIsAskedOnlyByOptionsThatCountInTime)
+{
+    const Hierarchy tree = test::row_tree(2);
+    int asked = 0;
+    const auto cull = [&](const char* name, std::vector<OptionValue> options) {
+        const auto clock = [&asked] {
+            ++asked;
+            return 0.0;
+        };
+        const auto culler = std::move(make_culler(name, tree, options, clock).value());
+        ScriptedDevice device;
+        culler->cull(test::look_ahead(), device);
+        return std::exchange(asked, 0);
+    };
+    for (const AlgorithmInfo& info : algorithms()) {
+        EXPECT_EQ(cull(info.name.c_str(), {}), 0) << info.name;
+    }
+    EXPECT_GT(cull("prioritized", {{"budget_time", "5"}}), 0);
+    EXPECT_GT(cull("statistical", {{"time", "clock"}}), 0);
 }
 
 TEST(Registry, AnOptionChangesWhatTheCullerDoes)

@@ -234,6 +234,11 @@ TEST(HierarchyKinds, EveryKindBuildsAValidTreeWithVirtualLeaves)
         EXPECT_EQ(validate(deep), "");
         EXPECT_EQ(deep.items().size(), items.size());
         EXPECT_FALSE(deep.is_leaf(deep.root()));
+        size_t in_inner_nodes = 0;
+        for (uint32_t n = 0; n < deep.nodes().size(); ++n) {
+            in_inner_nodes += deep.is_leaf(NodeId{n}) ? 0 : deep.own_items(NodeId{n}).size();
+        }
+        EXPECT_EQ(in_inner_nodes > 0, kind.items_in_inner_nodes);
         EXPECT_TRUE(kind.build(items, 1000000).is_leaf(NodeId{0u}));
         EXPECT_TRUE(kind.build({}, 0).empty());
     }

@@ -236,6 +236,46 @@ TEST(Cli, BenchMeasuresAndWritesItsReports)
     EXPECT_GT(fs::file_size(html), 100000u);
 }
 
+TEST(Cli, BenchComparesHierarchiesInOneRunAndLabelsThem)
+{
+    const std::string scene = scene_file();
+    const std::string json = (fs::path{scene}.parent_path() / "hierarchies.json").string();
+    const Outcome outcome = run(small({"bench", scene, "--algorithms", "chc", "--frames", "2",
+                                       "--verify", "--hierarchy", "bvh,octree", "--json", json}));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("hierarchy bvh, octree"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("\nalgorithm  hierarchy"), std::string::npos) << outcome.out;
+    std::ifstream file{json};
+    std::vector<std::string> runs;
+    const nlohmann::json report = nlohmann::json::parse(file);
+    for (const auto& each : report["runs"]) {
+        runs.push_back(each["algorithm"].get<std::string>() + "/" +
+                       each["hierarchy"].get<std::string>());
+        EXPECT_EQ(each["differing_pixels"], 0) << runs.back();
+    }
+    const std::vector<std::string> expected{"frustum/bvh", "frustum/octree", "chc/bvh",
+                                            "chc/octree",  "opt/bvh",        "opt/octree",
+                                            "ideal/bvh"};
+    EXPECT_EQ(runs, expected);
+}
+
+TEST(Cli, AlgorithmsThatDoNotSuitAHierarchyAreLeftOutWithANote)
+{
+    const Outcome outcome = run(small({"verify", scene_file(), "--frames", "2", "--path", "auto",
+                                       "--algorithms", "exact", "--hierarchy", "bsp"}));
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("batch_and_wait is left out on bsp"), std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(outcome.out.find("\nbatch_and_wait"), std::string::npos) << outcome.out;
+}
+
+TEST(Cli, OtherCommandsTakeOneHierarchy)
+{
+    const std::string scene = scene_file();
+    expect_refused({"info", scene, "--hierarchy", "all"}, {"--hierarchy", "'all'", "bench"});
+    expect_refused({"render", scene, "--out", "x.png", "--hierarchy", "bvh,bsp"}, {"'bvh,bsp'"});
+}
+
 TEST(Cli, VerifyWalksASmoothPathAndOneWithJumpsAndExitsWithZero)
 {
     const Outcome outcome = run(small({"verify", scene_file(), "--frames", "6"}));
@@ -248,11 +288,9 @@ TEST(Cli, VerifyWalksASmoothPathAndOneWithJumpsAndExitsWithZero)
 TEST(Cli, MovingScenesAreVerifiedOnEveryHierarchyAndSaidToMove)
 {
     const std::string scene = "movers:count=60,triangles=2k";
-    for (const char* hierarchy : {"bvh", "bsp", "octree", "grid", "two_level"}) {
-        const Outcome outcome = run(small({"verify", scene, "--frames", "20", "--leaf-triangles",
-                                           "50", "--hierarchy", hierarchy, "--repeat", "2"}));
-        EXPECT_EQ(outcome.code, 0) << hierarchy << outcome.err << outcome.out;
-    }
+    const Outcome outcome = run(small({"verify", scene, "--frames", "20", "--leaf-triangles", "50",
+                                       "--hierarchy", "all", "--repeat", "2"}));
+    EXPECT_EQ(outcome.code, 0) << outcome.err << outcome.out;
     const Outcome info = run(small({"info", scene}));
     EXPECT_NE(info.out.find("60, moving, 15 of them appear and vanish"), std::string::npos)
         << info.out;
@@ -315,7 +353,11 @@ TEST(Cli, InfoCountsTheSceneAndSaysWhatToDo)
 
 TEST(Cli, ListsWhatThereIs)
 {
-    EXPECT_NE(run({"list", "algorithms"}).out.find("chc_plus_plus"), std::string::npos);
+    const std::string algorithms = run({"list", "algorithms"}).out;
+    EXPECT_NE(algorithms.find("chc_plus_plus"), std::string::npos);
+    EXPECT_NE(algorithms.find("hierarchies: bvh, bsp, octree, grid, two_level"), std::string::npos);
+    EXPECT_NE(algorithms.find("hierarchies: bvh, octree, grid\n"), std::string::npos);
+    EXPECT_NE(algorithms.find("hierarchies: all alike"), std::string::npos);
     EXPECT_NE(run({"list", "hierarchies"}).out.find("bvh"), std::string::npos);
     EXPECT_NE(run({"list", "devices"}).out.find("cpu"), std::string::npos);
     EXPECT_NE(run({"list", "scenes"}).out.find("city"), std::string::npos);

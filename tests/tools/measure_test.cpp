@@ -106,6 +106,32 @@ TEST(TimingDevice, CountsPollsAndChargesReadBacks)
     EXPECT_DOUBLE_EQ(device.read_seconds(), 0.0);
 }
 
+TEST(CompareWithReferences, TheFastestFrustumIsToBeatAndTheOptOfTheSameTree)
+{
+    std::vector<AlgorithmRun> runs;
+    const auto add = [&](const char* name, const char* hierarchy, double ms) {
+        AlgorithmRun run{name, {}, std::vector<FrameFigures>(1), hierarchy};
+        run.frames[0].frame_ms = ms;
+        runs.push_back(run);
+    };
+    add("frustum", "bvh", 30.0);
+    add("frustum", "grid", 20.0);
+    add("chc", "bvh", 5.0);
+    add("chc", "grid", 10.0);
+    add("uniform_grid", "octree", 10.0);
+    add("opt", "bvh", 5.0);
+    add("opt", "grid", 2.0);
+    compare_with_references(runs);
+    EXPECT_DOUBLE_EQ(runs[0].frames[0].speedup_vs_frustum, 20.0 / 30.0);
+    EXPECT_DOUBLE_EQ(runs[2].frames[0].speedup_vs_frustum, 4.0);
+    EXPECT_DOUBLE_EQ(runs[2].frames[0].ratio_to_opt, 1.0);
+    EXPECT_DOUBLE_EQ(runs[3].frames[0].ratio_to_opt, 5.0);
+    EXPECT_DOUBLE_EQ(runs[4].frames[0].ratio_to_opt, 2.0) << "no opt on octree: the first";
+    EXPECT_TRUE(on_several_hierarchies(runs));
+    EXPECT_EQ(run_label(runs[3], true), "chc on grid");
+    EXPECT_EQ(run_label(runs[3], false), "chc");
+}
+
 TEST(TimingDevice, ChargesWaitsAndVerbsByTheClock)
 {
     TinyStage tiny{wall_model()};

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 // Two frames of one algorithm, figures easy to recognise.
 BenchDocument example()
 {
-    AlgorithmRun run{"chc", Guarantee::exact(), std::vector<FrameFigures>(2)};
+    AlgorithmRun run{"chc", Guarantee::exact(), std::vector<FrameFigures>(2), "bvh"};
     for (size_t i = 0; i < 2; ++i) {
         FrameFigures& frame = run.frames[i];
         const double factor = i == 0 ? 1.0 : 3.0;

@@ -126,7 +126,8 @@ TEST(Suites, EntriesHaveNamesOfTheirOwnAndOptionsThatExist)
                 CompareOptions options;
                 options.stage = entry.stage;
                 options.algorithms = entry.algorithms;
-                const auto checked = check_compare_options(options);
+                std::ostringstream notes;
+                const auto checked = check_compare_options(options, notes);
                 EXPECT_TRUE(checked) << entry.name << ": " << checked.error().message;
                 EXPECT_LE(entry.sample_every, entry.stage.frames);
                 EXPECT_GT(entry.verify_every, 0u);

@@ -31,8 +31,7 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
         return views.error();
     }
     const Stage stage = (*session)->stage();
-    const auto contenders = choose_contenders(options.algorithms, options.stage.sets,
-                                              stage.renderer.device().caps(), References::always);
+    const auto contenders = contenders_of(**session, options, References::always);
     if (!contenders) {
         return contenders.error();
     }
@@ -64,7 +63,7 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
 
 Result<int> bench_command(const CompareOptions& options, const Streams& streams)
 {
-    if (const auto checked = check_compare_options(options); !checked) {
+    if (const auto checked = check_compare_options(options, streams.err); !checked) {
         return checked.error();
     }
     auto files = ReportFiles::open(options);

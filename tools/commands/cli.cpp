@@ -56,11 +56,13 @@ CLI::Validator whole_number(uint64_t low, uint64_t high)
         ""};
 }
 
-void add_stage_options(CLI::App& app, RawStage& raw)
+// `several`: whether --hierarchy takes more than one.
+void add_stage_options(CLI::App& app, RawStage& raw, bool several)
 {
     StageOptions& stage = raw.stage;
     app.add_option("--hierarchy", stage.hierarchy,
-                   "How the scene is organised: " + hierarchy_names())
+                   "How the scene is organised: " + hierarchy_names() +
+                       (several ? "; several between commas, or all" : ""))
         ->capture_default_str();
     app.add_option("--device", raw.device,
                    "Who draws and tests: gl or cpu (default: gl, or cpu where there is no OpenGL)");
@@ -110,7 +112,7 @@ void add_compare_options(CLI::App& app, RawStage& raw, CompareOptions& compare)
            "all, exact, or names between commas; NAME@LABEL is one more run with settings of "
            "its own")
         ->capture_default_str();
-    add_stage_options(app, raw);
+    add_stage_options(app, raw, true);
     add_frames_option(app, raw.stage);
     app.add_option("--repeat", compare.repeat, "Walks along the path; figures are medians of them")
         ->capture_default_str()
@@ -175,7 +177,7 @@ void add_render_options(CLI::App& app, RawStage& raw, RenderOptions& render)
         ->type_name("SCENE");
     app.add_option("--algorithm", render.algorithm, "The algorithm that culls")
         ->capture_default_str();
-    add_stage_options(app, raw);
+    add_stage_options(app, raw, false);
     app.add_option("--path-frames", raw.stage.frames, "Frames of the whole path")
         ->capture_default_str()
         ->check(whole_number(1, kMaxFrames));
@@ -232,7 +234,7 @@ public:
             ->required()
             ->type_name("SCENE");
         info_stage_.stage.frames = 8;
-        add_stage_options(*info_, info_stage_);
+        add_stage_options(*info_, info_stage_, false);
         add_frames_option(*info_, info_stage_.stage);
         list_ = app_.add_subcommand("list", "List what there is to choose from");
         list_

@@ -5,6 +5,8 @@
 #include "report/html_report.h"
 #include "report/json_report.h"
 
+#include <fmt/format.h>
+
 #include <ostream>
 
 namespace occlude::tools {
@@ -68,7 +70,7 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
             .device = session.device_name(),
             .api = session.renderer().api(),
             .renderer = session.renderer().renderer_name(),
-            .hierarchy = options.stage.hierarchy,
+            .hierarchy = fmt::format("{}", fmt::join(session.hierarchy_kinds(), ", ")),
             .test = options.stage.test,
             .path = path,
             .size = options.stage.size,
@@ -96,7 +98,31 @@ void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out)
     }
 }
 
-Result<bool> check_compare_options(const CompareOptions& options)
+static Result<Pairing> choose_pairs(const CompareOptions& options, const DeviceCaps& caps,
+                                    References references)
+{
+    const auto contenders =
+        choose_contenders(options.algorithms, options.stage.sets, caps, references);
+    if (!contenders) {
+        return contenders.error();
+    }
+    return pair_with_hierarchies(*contenders, options.algorithms, options.stage.hierarchy);
+}
+
+Result<std::vector<Contender>> contenders_of(Session& session, const CompareOptions& options,
+                                             References references)
+{
+    auto pairing = choose_pairs(options, session.renderer().device().caps(), references);
+    if (!pairing) {
+        return pairing.error();
+    }
+    for (Contender& contender : pairing->contenders) {
+        contender.tree = session.tree(contender.hierarchy);
+    }
+    return std::move(pairing->contenders);
+}
+
+Result<bool> check_compare_options(const CompareOptions& options, std::ostream& notes)
 {
     if (const auto checked = check_stage_options(options.stage); !checked) {
         return checked.error();
@@ -104,16 +130,18 @@ Result<bool> check_compare_options(const CompareOptions& options)
     // No device yet: one that offers everything.
     DeviceCaps any;
     any.read_depth = true;
-    const auto contenders =
-        choose_contenders(options.algorithms, options.stage.sets, any, References::always);
-    if (!contenders) {
-        return contenders.error();
+    const auto pairing = choose_pairs(options, any, References::always);
+    if (!pairing) {
+        return pairing.error();
     }
     const Hierarchy nothing = build_bvh({});
-    for (const Contender& contender : *contenders) {
+    for (const Contender& contender : pairing->contenders) {
         if (const auto culler = contender.make(nothing); !culler) {
             return culler.error();
         }
+    }
+    for (const std::string& note : pairing->notes) {
+        notes << "occlude: " << note << '\n';
     }
     return true;
 }

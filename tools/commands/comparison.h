@@ -33,7 +33,12 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
 /// Prints what differed, if anything did.
 void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out);
 
-/// Checks everything that can be checked before a scene is loaded, for messages at once.
-Result<bool> check_compare_options(const CompareOptions& options);
+/// The algorithms that were asked for on the trees of the session that were.
+Result<std::vector<Contender>> contenders_of(Session& session, const CompareOptions& options,
+                                             References references);
+
+/// Checks everything that can be checked before a scene is loaded, for messages at once. Says on
+/// `notes` which algorithms are left out on which hierarchies.
+Result<bool> check_compare_options(const CompareOptions& options, std::ostream& notes);
 
 } // namespace occlude::tools

@@ -133,7 +133,8 @@ Result<bool> check_settings(std::span<const std::string> sets, const std::set<st
 
 Result<std::vector<Contender>> choose_contenders(const std::string& list,
                                                  std::span<const std::string> sets,
-                                                 const DeviceCaps& caps, References references)
+                                                 const DeviceCaps& caps, References references,
+                                                 const Clock& clock)
 {
     auto chosen = chosen_names(list, caps);
     if (!chosen) {
@@ -155,14 +156,68 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
             if (!settings) {
                 return settings.error();
             }
-            contenders.push_back({run,
-                                  [name = info.name, values = *settings](const Hierarchy& tree) {
-                                      return make_culler(name, tree, values);
-                                  },
-                                  info.remembers});
+            contenders.push_back(
+                {.name = run,
+                 .make =
+                     [name = info.name, values = *settings, clock](const Hierarchy& tree) {
+                         return make_culler(name, tree, values, clock);
+                     },
+                 .remembers = info.remembers});
         }
     }
     return contenders;
+}
+
+namespace {
+
+bool suits(const AlgorithmInfo& info, const std::string& kind)
+{
+    return std::find(info.hierarchies.begin(), info.hierarchies.end(), kind) !=
+           info.hierarchies.end();
+}
+
+std::string left_out_note(const AlgorithmInfo& info, std::span<const std::string> kinds)
+{
+    return fmt::format("{} is left out on {}: it tests leaves, and there many items are in inner "
+                       "nodes; name it in --algorithms and the hierarchy in --hierarchy to run it "
+                       "all the same",
+                       info.name, fmt::join(kinds, ", "));
+}
+
+} // namespace
+
+Result<Pairing> pair_with_hierarchies(std::span<const Contender> contenders,
+                                      const std::string& algorithms, const std::string& hierarchies)
+{
+    const auto kinds = parse_hierarchies(hierarchies);
+    if (!kinds) {
+        return kinds.error();
+    }
+    const std::vector<std::string> named = split_commas(algorithms);
+    const bool both_named =
+        std::none_of(named.begin(), named.end(),
+                     [](const std::string& part) { return part == "all" || part == "exact"; }) &&
+        hierarchies != "all";
+    Pairing pairing;
+    for (const Contender& contender : contenders) {
+        const AlgorithmInfo& info = *find_algorithm(parse_run_name(contender.name).algorithm);
+        std::vector<std::string> left_out;
+        for (const std::string& kind : *kinds) {
+            if (!both_named && !info.hierarchies.empty() && !suits(info, kind)) {
+                left_out.push_back(kind);
+                continue;
+            }
+            pairing.contenders.push_back(contender);
+            pairing.contenders.back().hierarchy = kind;
+            if (info.hierarchies.empty()) {
+                break;
+            }
+        }
+        if (!left_out.empty()) {
+            pairing.notes.push_back(left_out_note(info, left_out));
+        }
+    }
+    return pairing;
 }
 
 } // namespace occlude::tools

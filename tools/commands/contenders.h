@@ -3,6 +3,7 @@
 
 #include "commands/options.h"
 #include "measure/stage.h"
+#include "measure/timing_device.h"
 
 namespace occlude::tools {
 
@@ -14,8 +15,22 @@ enum class References { always, if_asked };
 /// with settings of its own. Settings (`sets`) reach the run of exactly that name, label included.
 /// Algorithms that need more than `caps` offers are left out of "all" and "exact", and are an error
 /// when named. Other errors name the unknown algorithm, label, option or setting and what there is.
+/// Options that count in time ask `clock`.
 Result<std::vector<Contender>> choose_contenders(const std::string& list,
                                                  std::span<const std::string> sets,
-                                                 const DeviceCaps& caps, References references);
+                                                 const DeviceCaps& caps, References references,
+                                                 const Clock& clock = steady_clock());
+
+/// Which algorithms meet which hierarchies: what --algorithms and --hierarchy say.
+struct Pairing {
+    std::vector<Contender> contenders; ///< with the kind of hierarchy, yet without its tree
+    std::vector<std::string> notes;    ///< sentences about what was left out
+};
+/// Each contender on each kind of `hierarchies`, by algorithm and then by kind. What makes no use
+/// of nodes runs once, on the first kind. A pair that does not suit (AlgorithmInfo::hierarchies)
+/// takes part only if both were named, `algorithms` and `hierarchies` being what the user typed.
+Result<Pairing> pair_with_hierarchies(std::span<const Contender> contenders,
+                                      const std::string& algorithms,
+                                      const std::string& hierarchies);
 
 } // namespace occlude::tools

@@ -182,6 +182,9 @@ std::string occlusion_text(const Occlusion& sum, const InfoOptions& options, siz
 
 Result<int> info_command(const InfoOptions& options, const Streams& streams)
 {
+    if (const auto checked = check_one_hierarchy(options.stage); !checked) {
+        return checked.error();
+    }
     const auto session = Session::open(options.scene, options.stage, streams.err);
     if (!session) {
         return session.error();

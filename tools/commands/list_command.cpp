@@ -20,6 +20,9 @@ std::string list_algorithms()
     for (const AlgorithmInfo& info : algorithms()) {
         text += fmt::format("{} ({}{})\n    {}\n", info.name, info.paper,
                             info.exact ? "" : ", not exact", info.summary);
+        text += info.hierarchies.empty()
+                    ? "    hierarchies: all alike, it makes no use of their nodes\n"
+                    : fmt::format("    hierarchies: {}\n", fmt::join(info.hierarchies, ", "));
         for (const OptionInfo& option : info.options) {
             text += fmt::format("    --set {}.{}={}  {}\n", info.name, option.name,
                                 option.default_value, option.description);

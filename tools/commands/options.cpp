@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 namespace occlude::tools {
@@ -77,6 +78,29 @@ std::string hierarchy_names()
         names += kind.name;
     }
     return names;
+}
+
+Result<std::vector<std::string>> parse_hierarchies(std::string_view text)
+{
+    std::vector<std::string> kinds;
+    if (text == "all") {
+        for (const HierarchyKind& kind : hierarchy_kinds()) {
+            kinds.emplace_back(kind.name);
+        }
+        return kinds;
+    }
+    for (std::string& name : split_commas(text)) {
+        if (find_hierarchy_kind(name) == nullptr) {
+            return Error{ErrorCode::unsupported,
+                         fmt::format("--hierarchy: '{}' is not available in this version; choose "
+                                     "all, or from: {}",
+                                     name, hierarchy_names())};
+        }
+        if (std::find(kinds.begin(), kinds.end(), name) == kinds.end()) {
+            kinds.push_back(std::move(name));
+        }
+    }
+    return kinds;
 }
 
 std::vector<std::string> split_commas(std::string_view text)

@@ -18,7 +18,7 @@ namespace occlude::tools {
 
 /// Which scene, how it is organised and who draws it: the same for every command.
 struct StageOptions {
-    std::string hierarchy = "bvh";
+    std::string hierarchy = "bvh";     ///< for bench and verify also several, or "all"
     std::optional<std::string> device; ///< empty: gl, or cpu where there is no OpenGL
     std::string test = "queries";
     std::string path = "auto";
@@ -102,6 +102,10 @@ Result<SetOption> parse_set(std::string_view text);
 
 /// "bvh, bsp": the names that --hierarchy takes.
 std::string hierarchy_names();
+
+/// What --hierarchy names: kinds between commas, each once, in that order, or "all". Errors name
+/// the unknown one and what there is.
+Result<std::vector<std::string>> parse_hierarchies(std::string_view text);
 
 /// The parts between commas; empty parts are kept.
 std::vector<std::string> split_commas(std::string_view text);

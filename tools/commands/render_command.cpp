@@ -1,7 +1,7 @@
 #include "commands/commands.h"
 #include "commands/contenders.h"
-#include "render/image.h"
 #include "commands/picture.h"
+#include "render/image.h"
 #include "report/output_file.h"
 #include "report/table.h"
 
@@ -171,7 +171,7 @@ Result<int> render_command(const RenderOptions& options, const Streams& streams)
     if (!plan) {
         return plan.error();
     }
-    if (const auto checked = check_stage_options(options.stage); !checked) {
+    if (const auto checked = check_one_hierarchy(options.stage); !checked) {
         return checked.error();
     }
     if (const auto checked = check_output(options, *plan); !checked) {

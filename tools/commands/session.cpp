@@ -33,8 +33,8 @@ Result<bool> check_stage_options(const StageOptions& options)
                      fmt::format("{}: '{}' is not available in this version; choose {}", option,
                                  value, choices)};
     };
-    if (find_hierarchy_kind(options.hierarchy) == nullptr) {
-        return unknown("--hierarchy", options.hierarchy, hierarchy_names());
+    if (const auto kinds = parse_hierarchies(options.hierarchy); !kinds) {
+        return kinds.error();
     }
     if (options.test != "queries") {
         return unknown("--test", options.test, "queries");
@@ -54,18 +54,37 @@ Result<bool> check_stage_options(const StageOptions& options)
     return true;
 }
 
-Session::Session(SceneModel model, const StageOptions& options)
+Result<bool> check_one_hierarchy(const StageOptions& options)
+{
+    if (const auto checked = check_stage_options(options); !checked) {
+        return checked.error();
+    }
+    if (parse_hierarchies(options.hierarchy)->size() > 1) {
+        return Error{ErrorCode::invalid_argument,
+                     fmt::format("--hierarchy: '{}' is more than one, and only bench and verify "
+                                 "take several; choose from: {}",
+                                 options.hierarchy, hierarchy_names())};
+    }
+    return true;
+}
+
+Session::Session(SceneModel model, const StageOptions& options, std::span<const std::string> kinds)
     : options_(options)
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
 {
     const Clock clock = steady_clock();
     const double start = clock();
-    if (options.hierarchy == kTwoLevel) { // knows of objects, not only of items
-        two_level_ = std::make_unique<TwoLevelScene>(two_level_options());
-        two_level_->sync(scene_.scene);
-    } else {
-        hierarchy_ = build(scene_.scene.item_bounds());
+    for (const std::string& kind : kinds) {
+        auto tree = std::make_unique<Tree>();
+        tree->kind = kind;
+        if (kind == kTwoLevel) { // knows of objects, not only of items
+            tree->two_level = std::make_unique<TwoLevelScene>(two_level_options());
+            tree->two_level->sync(scene_.scene);
+        } else {
+            tree->flat = build(kind, scene_.scene.item_bounds());
+        }
+        trees_.push_back(std::move(tree));
     }
     preparation_.hierarchy_seconds = clock() - start;
     preparation_.uncut_triangles = model_.uncut_triangles;
@@ -80,6 +99,25 @@ Preparation Session::preparation() const
     return preparation;
 }
 
+const Hierarchy* Session::tree(std::string_view kind) const
+{
+    for (const auto& tree : trees_) {
+        if (tree->kind == kind) {
+            return &tree->hierarchy();
+        }
+    }
+    return nullptr;
+}
+
+std::vector<std::string> Session::hierarchy_kinds() const
+{
+    std::vector<std::string> kinds;
+    for (const auto& tree : trees_) {
+        kinds.push_back(tree->kind);
+    }
+    return kinds;
+}
+
 TwoLevelOptions Session::two_level_options() const
 {
     return {.leaf_triangles = options_.leaf_triangles};
@@ -90,18 +128,27 @@ void Session::make_motion()
     if (model_.motion.empty()) {
         return;
     }
-    if (two_level_) {
-        moving_tree_ = std::make_unique<RelinkedTree>(*two_level_, two_level_options());
-    } else {
-        moving_tree_ = std::make_unique<RefittedTree>(hierarchy_, scene_.scene,
-                                                      [this](auto items) { return build(items); });
+    std::vector<std::unique_ptr<MovingTree>> moving;
+    for (const auto& tree : trees_) {
+        moving.push_back(make_moving(*tree));
     }
-    motion_ = std::make_unique<MotionPlayer>(model_, scene_, *moving_tree_, *renderer_);
+    moving_trees_ = std::make_unique<MovingTrees>(std::move(moving));
+    motion_ = std::make_unique<MotionPlayer>(model_, scene_, *moving_trees_, *renderer_);
 }
 
-Hierarchy Session::build(std::span<const ItemBounds> items) const
+std::unique_ptr<MovingTree> Session::make_moving(Tree& tree) const
 {
-    return find_hierarchy_kind(options_.hierarchy)->build(items, options_.leaf_triangles);
+    if (tree.two_level) {
+        return std::make_unique<RelinkedTree>(*tree.two_level, two_level_options());
+    }
+    return std::make_unique<RefittedTree>(
+        tree.flat, scene_.scene,
+        [this, kind = std::string_view{tree.kind}](auto items) { return build(kind, items); });
+}
+
+Hierarchy Session::build(std::string_view kind, std::span<const ItemBounds> items) const
+{
+    return find_hierarchy_kind(kind)->build(items, options_.leaf_triangles);
 }
 
 Stage Session::stage()
@@ -156,7 +203,8 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
                                  "or a scene of 'occlude list scenes'",
                                  scene)};
     }
-    std::unique_ptr<Session> session{new Session{std::move(*model), options}};
+    std::unique_ptr<Session> session{
+        new Session{std::move(*model), options, *parse_hierarchies(options.hierarchy)}};
     session->preparation_.load_seconds = load_seconds;
     if (const auto made = session->make_renderer(notes); !made) {
         return made.error();

@@ -15,14 +15,19 @@ namespace occlude::tools {
 
 class Session {
 public:
-    /// Loads or generates the scene, builds the hierarchy and makes the renderer. Says on `notes`
+    /// Loads or generates the scene, builds the hierarchies and makes the renderer. Says on `notes`
     /// what the user should know (a fallback to the CPU). Errors name the thing and the remedy.
     static Result<std::unique_ptr<Session>> open(const std::string& scene,
                                                  const StageOptions& options, std::ostream& notes);
 
     const SceneModel& model() const { return model_; }
     const CullScene& scene() const { return scene_; }
-    const Hierarchy& hierarchy() const { return two_level_ ? two_level_->hierarchy() : hierarchy_; }
+    /// The tree of the first kind of hierarchy that was chosen.
+    const Hierarchy& hierarchy() const { return trees_.front()->hierarchy(); }
+    /// The tree of a kind; null if it was not chosen. Valid as long as the session.
+    const Hierarchy* tree(std::string_view kind) const;
+    /// The kinds that were chosen, in their order.
+    std::vector<std::string> hierarchy_kinds() const;
     SceneRenderer& renderer() { return *renderer_; }
     /// "gl" or "cpu".
     const std::string& device_name() const { return device_name_; }
@@ -31,7 +36,7 @@ public:
     Preparation preparation() const;
 
     /// Valid as long as the session. If the scene moves, set_frame() changes the session's scene,
-    /// hierarchy and renderer.
+    /// hierarchies and renderer.
     Stage stage();
 
     /// The cameras of a path, with near and far chosen. Never empty.
@@ -43,25 +48,37 @@ public:
     Session& operator=(const Session&) = delete;
 
 private:
-    Session(SceneModel model, const StageOptions& options);
+    // One of the chosen hierarchies, at a fixed place in memory.
+    struct Tree {
+        std::string kind;
+        Hierarchy flat;
+        std::unique_ptr<TwoLevelScene> two_level; ///< instead of `flat`, if that is the kind
+
+        const Hierarchy& hierarchy() const { return two_level ? two_level->hierarchy() : flat; }
+    };
+
+    Session(SceneModel model, const StageOptions& options, std::span<const std::string> kinds);
     Result<bool> make_renderer(std::ostream& notes);
     TwoLevelOptions two_level_options() const;
     void make_motion();
-    Hierarchy build(std::span<const ItemBounds> items) const;
+    std::unique_ptr<MovingTree> make_moving(Tree& tree) const;
+    Hierarchy build(std::string_view kind, std::span<const ItemBounds> items) const;
 
     StageOptions options_;
     SceneModel model_;
     CullScene scene_;
-    Hierarchy hierarchy_;
-    std::unique_ptr<TwoLevelScene> two_level_; ///< instead of hierarchy_, if that was chosen
+    std::vector<std::unique_ptr<Tree>> trees_; ///< never empty
     std::unique_ptr<SceneRenderer> renderer_;
     std::string device_name_;
-    std::unique_ptr<MovingTree> moving_tree_; ///< these are null if nothing moves
+    std::unique_ptr<MovingTree> moving_trees_; ///< these are null if nothing moves
     std::unique_ptr<MotionPlayer> motion_;
     Preparation preparation_;
 };
 
 /// Errors for choices that this version does not have. Costs nothing: call it before loading.
 Result<bool> check_stage_options(const StageOptions& options);
+
+/// The same for commands that run on one hierarchy.
+Result<bool> check_one_hierarchy(const StageOptions& options);
 
 } // namespace occlude::tools

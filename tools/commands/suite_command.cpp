@@ -110,8 +110,7 @@ Result<BenchDocument> measure_entry(const SuiteEntry& entry, const SuiteOptions&
         return views.error();
     }
     const Stage stage = (*session)->stage();
-    const auto contenders = choose_contenders(compare.algorithms, compare.stage.sets,
-                                              stage.renderer.device().caps(), References::always);
+    const auto contenders = contenders_of(**session, compare, References::always);
     if (!contenders) {
         return contenders.error();
     }
@@ -237,10 +236,12 @@ void print_broken_promises(std::span<const AlgorithmRun> runs, std::ostream& out
 }
 
 // Errors in the suite's own tables and in the device come before any scene is made.
-Result<bool> check_entries(std::span<const SuiteEntry> entries, const SuiteOptions& options)
+Result<bool> check_entries(std::span<const SuiteEntry> entries, const SuiteOptions& options,
+                           std::ostream& notes)
 {
     for (const SuiteEntry& entry : entries) {
-        if (const auto checked = check_compare_options(compare_options(entry, options)); !checked) {
+        if (const auto checked = check_compare_options(compare_options(entry, options), notes);
+            !checked) {
             return checked.error();
         }
     }
@@ -258,7 +259,7 @@ Result<int> measure_suite(const SuiteOptions& options, const Suite& suite, const
     if (!entries) {
         return entries.error();
     }
-    if (const auto checked = check_entries(*entries, options); !checked) {
+    if (const auto checked = check_entries(*entries, options, streams.err); !checked) {
         return checked.error();
     }
     CompareOptions table_files;

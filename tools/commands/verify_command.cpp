@@ -47,8 +47,7 @@ Result<BenchDocument> verify_path(Session& session, const CompareOptions& option
         return views.error();
     }
     const Stage stage = session.stage();
-    const auto contenders = choose_contenders(options.algorithms, options.stage.sets,
-                                              stage.renderer.device().caps(), References::if_asked);
+    const auto contenders = contenders_of(session, options, References::if_asked);
     if (!contenders) {
         return contenders.error();
     }
@@ -66,7 +65,7 @@ Result<BenchDocument> verify_path(Session& session, const CompareOptions& option
 
 Result<int> verify_command(const CompareOptions& options, const Streams& streams)
 {
-    if (const auto checked = check_compare_options(options); !checked) {
+    if (const auto checked = check_compare_options(options, streams.err); !checked) {
         return checked.error();
     }
     auto files = ReportFiles::open(options);

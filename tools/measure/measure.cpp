@@ -42,7 +42,8 @@ public:
         owners_.resize(count);
         samples_.assign(contenders.size(), std::vector<Samples>(count));
         for (const Contender& contender : contenders) {
-            runs_.push_back({contender.name, {}, std::vector<FrameFigures>(count)});
+            runs_.push_back(
+                {contender.name, {}, std::vector<FrameFigures>(count), contender.hierarchy});
         }
     }
 
@@ -168,8 +169,9 @@ private:
     {
         const Culler& culler = *cullers_[contender];
         const Capture culled = stage_.renderer.capture();
+        Stage walked{culler.hierarchy(), stage_.item_bounds, stage_.renderer};
         runs_[contender].frames[sample].verdict =
-            judge_frame(stage_, views_[sampled_frames_[sample]], reference, culled,
+            judge_frame(walked, views_[sampled_frames_[sample]], reference, culled,
                         culler.drawn_items(), culler.decisions());
     }
 
@@ -198,12 +200,23 @@ private:
     std::vector<AlgorithmRun> runs_;
 };
 
-const AlgorithmRun* find_run(std::span<const AlgorithmRun> runs, std::string_view algorithm)
+// The run of `algorithm` that `better` prefers to all others, the first of equals; null: none.
+template <class Better>
+const AlgorithmRun* find_run(std::span<const AlgorithmRun> runs, std::string_view algorithm,
+                             Better&& better)
 {
-    const auto found = std::find_if(runs.begin(), runs.end(), [&](const AlgorithmRun& run) {
-        return run.algorithm == algorithm;
-    });
-    return found != runs.end() ? &*found : nullptr;
+    const AlgorithmRun* best = nullptr;
+    for (const AlgorithmRun& run : runs) {
+        if (run.algorithm == algorithm && (best == nullptr || better(run, *best))) {
+            best = &run;
+        }
+    }
+    return best;
+}
+
+double median_frame_ms(const AlgorithmRun& run)
+{
+    return summarise(run).frame_ms.median;
 }
 
 } // namespace
@@ -227,10 +240,16 @@ double overdraw_items(std::span<const ItemId> drawn, std::span<const ItemId> own
 
 void compare_with_references(std::span<AlgorithmRun> runs)
 {
-    const AlgorithmRun* frustum = find_run(runs, "frustum");
-    const AlgorithmRun* opt = find_run(runs, "opt");
-    const AlgorithmRun* ideal = find_run(runs, "ideal");
+    const AlgorithmRun* frustum =
+        find_run(runs, "frustum", [](const AlgorithmRun& a, const AlgorithmRun& b) {
+            return median_frame_ms(a) < median_frame_ms(b);
+        });
+    const AlgorithmRun* ideal = find_run(runs, "ideal", [](auto&, auto&) { return false; });
     for (AlgorithmRun& run : runs) {
+        const AlgorithmRun* opt =
+            find_run(runs, "opt", [&](const AlgorithmRun& a, const AlgorithmRun& b) {
+                return a.hierarchy == run.hierarchy && b.hierarchy != run.hierarchy;
+            });
         for (size_t frame = 0; frame < run.frames.size(); ++frame) {
             FrameFigures& figures = run.frames[frame];
             if (frustum != nullptr) {

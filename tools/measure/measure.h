@@ -29,9 +29,8 @@ struct MeasureOptions {
     ProgressCallback progress = {};
 };
 
-/// One run per contender, in their order. The figures against `frustum`, `opt` and `ideal` are
-/// formed per frame if contenders of these names take part, and stay unmeasured otherwise. Fails if
-/// a contender cannot be made. Preconditions: views not empty, repeat > 0.
+/// One run per contender, in their order, compared with the references (compare_with_references()).
+/// Fails if a contender cannot be made. Preconditions: views not empty, repeat > 0.
 Result<std::vector<AlgorithmRun>> measure(const Stage& stage, std::span<const Contender> contenders,
                                           std::span<const View> views,
                                           const MeasureOptions& options = {});
@@ -44,7 +43,11 @@ std::vector<size_t> contender_order(size_t count, size_t frame, size_t repeat);
 /// and nothing was drawn, the number of items drawn if there are no owners.
 double overdraw_items(std::span<const ItemId> drawn, std::span<const ItemId> owners);
 
-/// Forms the figures against `frustum`, `opt` and `ideal` in every frame of all runs.
+/// Forms the figures against `frustum`, `opt` and `ideal` in every frame of all runs; they stay
+/// unmeasured if there are no runs of these names. Where there are several: what must be beaten is
+/// the `frustum` on the hierarchy on which its median frame is shortest, so that no algorithm is
+/// flattered by a bad tree under its baseline; a perfect tester is one on the same tree, so `opt`
+/// is that of the run's own hierarchy, or the first if there is none; `ideal` uses no tree.
 void compare_with_references(std::span<AlgorithmRun> runs);
 
 } // namespace occlude::tools

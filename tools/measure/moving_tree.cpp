@@ -58,4 +58,18 @@ void RelinkedTree::update(const Scene& scene, size_t)
     tree_.sync(scene);
 }
 
+void MovingTrees::rewind(const Scene& scene)
+{
+    for (const auto& tree : trees_) {
+        tree->rewind(scene);
+    }
+}
+
+void MovingTrees::update(const Scene& scene, size_t frame)
+{
+    for (const auto& tree : trees_) {
+        tree->update(scene, frame);
+    }
+}
+
 } // namespace occlude::tools

@@ -6,7 +6,9 @@
 #include <occlude/scene/two_level_scene.h>
 
 #include <functional>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace occlude::tools {
@@ -79,6 +81,21 @@ public:
 private:
     TwoLevelScene& tree_;
     TwoLevelOptions options_;
+};
+
+/// Several trees of the same scene, all kept in step.
+class MovingTrees final : public MovingTree {
+public:
+    explicit MovingTrees(std::vector<std::unique_ptr<MovingTree>> trees)
+        : trees_(std::move(trees))
+    {
+    }
+
+    void rewind(const Scene& scene) override;
+    void update(const Scene& scene, size_t frame) override;
+
+private:
+    std::vector<std::unique_ptr<MovingTree>> trees_;
 };
 
 } // namespace occlude::tools

@@ -1,5 +1,7 @@
 #include "measure/run.h"
 
+#include <algorithm>
+
 namespace occlude::tools {
 
 Guarantee weaker(const Guarantee& a, const Guarantee& b)
@@ -8,6 +10,19 @@ Guarantee weaker(const Guarantee& a, const Guarantee& b)
         return a.kind > b.kind ? a : b;
     }
     return a.frames + a.threshold >= b.frames + b.threshold ? a : b;
+}
+
+bool on_several_hierarchies(std::span<const AlgorithmRun> runs)
+{
+    return std::any_of(runs.begin(), runs.end(), [&](const AlgorithmRun& run) {
+        return run.hierarchy != runs.front().hierarchy;
+    });
+}
+
+std::string run_label(const AlgorithmRun& run, bool with_hierarchy)
+{
+    return with_hierarchy && !run.hierarchy.empty() ? run.algorithm + " on " + run.hierarchy
+                                                    : run.algorithm;
 }
 
 double Summary::per_frame(uint64_t count) const

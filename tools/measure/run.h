@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -59,8 +60,15 @@ struct AlgorithmRun {
     std::string algorithm;
     Guarantee guarantee;              ///< the weakest of all frames
     std::vector<FrameFigures> frames; ///< those that were measured, in order
-    bool polled = false; ///< asked whether answers had come: decisions may depend on when they do
+    std::string hierarchy = {};       ///< the kind it ran on; empty: nobody said
+    /// It asked whether answers had come: its decisions may depend on when they do.
+    bool polled = false;
 };
+
+/// True if the runs are on more than one kind of hierarchy, so that reports must tell them apart.
+bool on_several_hierarchies(std::span<const AlgorithmRun> runs);
+/// "chc on bsp" if `with_hierarchy` and there is one, else "chc".
+std::string run_label(const AlgorithmRun& run, bool with_hierarchy);
 
 /// The weaker of two promises.
 Guarantee weaker(const Guarantee& a, const Guarantee& b);

@@ -12,7 +12,7 @@ Result<std::vector<std::unique_ptr<Culler>>> make_cullers(const Stage& stage,
 {
     std::vector<std::unique_ptr<Culler>> cullers;
     for (const Contender& contender : contenders) {
-        auto culler = contender.make(stage.hierarchy);
+        auto culler = contender.make(contender.tree != nullptr ? *contender.tree : stage.hierarchy);
         if (!culler) {
             return culler.error();
         }

@@ -17,7 +17,7 @@
 namespace occlude::tools {
 
 struct Stage {
-    const Hierarchy& hierarchy;
+    const Hierarchy& hierarchy;              ///< what contenders run on that name no other
     std::span<const ItemBounds> item_bounds; ///< indexed by ItemId
     SceneRenderer& renderer;
     /// Brings all of these to a frame of the scene's motion (MotionPlayer::go_to); empty if nothing
@@ -33,11 +33,13 @@ inline void set_frame(const Stage& stage, size_t frame)
     }
 }
 
-/// An algorithm with its options, ready to be made as often as needed.
+/// An algorithm with its options, ready to be made as often as needed, and the tree it runs on.
 struct Contender {
     std::string name; ///< of the algorithm, with a label if there are several runs of it
     std::function<Result<std::unique_ptr<Culler>>(const Hierarchy&)> make;
-    bool remembers = true; ///< AlgorithmInfo::remembers: it must see every frame
+    std::string hierarchy = {};      ///< its kind, for reports
+    const Hierarchy* tree = nullptr; ///< null: that of the stage
+    bool remembers = true;           ///< AlgorithmInfo::remembers: it must see every frame
 };
 
 /// One culler per contender, in order; the error of the first that cannot be made.

@@ -117,7 +117,7 @@ std::string describe_frame(const AlgorithmRun& run, size_t frame, const Verdict&
     constexpr size_t kMaxItems = 4;
     std::string line =
         fmt::format("{}: frame {}: {} differing pixels, the first at ({}, {}) from the lower left",
-                    run.algorithm, frame, verdict.differing_pixels, verdict.first_pixel.x,
+                    run_label(run, true), frame, verdict.differing_pixels, verdict.first_pixel.x,
                     verdict.first_pixel.y);
     if (verdict.missing.empty()) {
         return line + "; no item is missing: a test left a trace, or an item was drawn twice";
@@ -142,8 +142,9 @@ void verify_frame(const Stage& stage, const View& view, const Capture& reference
     figures.frame = frame;
     figures.counters = report.counters;
     figures.decision_hash = culler.decisions().hash(culler.hierarchy(), frame);
+    const Stage walked{culler.hierarchy(), stage.item_bounds, stage.renderer};
     figures.verdict =
-        judge_frame(stage, view, reference, culled, culler.drawn_items(), culler.decisions());
+        judge_frame(walked, view, reference, culled, culler.drawn_items(), culler.decisions());
 }
 
 // Pixels of the culled frame that its own items, drawn without tests, do not explain.
@@ -206,7 +207,8 @@ Result<std::vector<AlgorithmRun>> verify(const Stage& stage, std::span<const Con
     }
     std::vector<AlgorithmRun> runs;
     for (const Contender& contender : contenders) {
-        runs.push_back({contender.name, {}, std::vector<FrameFigures>(views.size())});
+        runs.push_back(
+            {contender.name, {}, std::vector<FrameFigures>(views.size()), contender.hierarchy});
     }
     stage.renderer.warm_up();
     const bool answer_needed =
@@ -260,7 +262,7 @@ std::vector<std::string> describe_differences(const AlgorithmRun& run, size_t ma
         }
     }
     if (left_out > 0) {
-        lines.push_back(fmt::format("{}: {} more frames differ", run.algorithm, left_out));
+        lines.push_back(fmt::format("{}: {} more frames differ", run_label(run, true), left_out));
     }
     return lines;
 }

@@ -18,7 +18,7 @@ namespace occlude::tools {
 Capture reference_image(const Stage& stage, const View& view);
 
 /// Compares the frame that `culled` shows, which drew `drawn`, with the reference. Draws on the
-/// stage's renderer. `decisions` are those of the frame. Costs up to four more frames.
+/// stage's renderer. `decisions` are those of the frame, on the stage's tree. Costs up to four more frames.
 Verdict judge_frame(const Stage& stage, const View& view, const Capture& reference,
                     const Capture& culled, std::span<const ItemId> drawn,
                     const DecisionLog& decisions);

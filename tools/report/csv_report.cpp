@@ -58,7 +58,7 @@ Row run_row(const BenchDocument& document, const AlgorithmRun& run)
     row.count("frames", document.frames);
     row.count("repeat", document.repeat);
     row.text("algorithm", run.algorithm);
-    row.text("hierarchy", document.hierarchy);
+    row.text("hierarchy", run.hierarchy);
     row.text("test", document.test);
     row.text("guarantee", to_string(run.guarantee));
     row.number("frame_ms_median", summary.frame_ms.median);

@@ -38,9 +38,11 @@ Chart.defaults.animation = false;
 documents.forEach((doc, index) => {
   const runs = doc.runs.filter(run => run.frame_ms.median !== null);
   if (runs.length === 0) { return; }
+  const several = runs.some(run => run.hierarchy !== runs[0].hierarchy);
+  const label = run => run.algorithm + (several ? ' on ' + run.hierarchy : '');
   new Chart(document.getElementById('bars-' + index), {
     type: 'bar',
-    data: { labels: runs.map(run => run.algorithm),
+    data: { labels: runs.map(label),
             datasets: [
               { label: 'median', data: runs.map(run => run.frame_ms.median),
                 backgroundColor: runs.map((_, i) => colors[i % colors.length]) },
@@ -53,7 +55,7 @@ documents.forEach((doc, index) => {
     type: 'line',
     data: { labels: runs[0].frames.map((_, frame) => frame),
             datasets: runs.map((run, i) => ({
-              label: run.algorithm, data: run.frames.map(frame => frame.frame_ms),
+              label: label(run), data: run.frames.map(frame => frame.frame_ms),
               borderColor: colors[i % colors.length], borderWidth: 1.5, pointRadius: 0 })) },
     options: { maintainAspectRatio: false, interaction: { mode: 'index', intersect: false },
                scales: { x: { title: { display: true, text: 'frame' } },
@@ -82,19 +84,19 @@ std::string pixels_cell(const Summary& summary)
                        grouped(summary.differing_pixels));
 }
 
-std::string run_row(const AlgorithmRun& run)
+std::string run_row(const AlgorithmRun& run, bool with_hierarchy)
 {
     const Summary s = summarise(run);
     const auto per_frame = [&](uint64_t total) { return cell(figure(s.per_frame(total), 1)); };
-    return "<tr>" + cell(html_escaped(run.algorithm)) + cell(to_string(run.guarantee)) +
-           cell(figure(s.frame_ms.median, 2)) + cell(figure(s.frame_ms.p99, 2)) +
-           cell(figure(s.speedup_vs_frustum, 2)) + cell(figure(s.ratio_to_opt, 2)) +
-           cell(figure(s.ratio_to_ideal, 2)) + per_frame(s.total.queries) +
-           per_frame(s.total.boxes) + per_frame(s.total.multiqueries_failed) +
-           per_frame(s.total.state_changes) + per_frame(s.total.draw_calls) +
-           per_frame(s.total.items_drawn) + per_frame(s.total.triangles_drawn) +
-           per_frame(s.total.waits) + cell(figure(s.wait_ms, 2)) + cell(figure(s.cull_cpu_ms, 2)) +
-           pixels_cell(s) + "</tr>\n";
+    return "<tr>" + cell(html_escaped(run_label(run, with_hierarchy))) +
+           cell(to_string(run.guarantee)) + cell(figure(s.frame_ms.median, 2)) +
+           cell(figure(s.frame_ms.p99, 2)) + cell(figure(s.speedup_vs_frustum, 2)) +
+           cell(figure(s.ratio_to_opt, 2)) + cell(figure(s.ratio_to_ideal, 2)) +
+           per_frame(s.total.queries) + per_frame(s.total.boxes) +
+           per_frame(s.total.multiqueries_failed) + per_frame(s.total.state_changes) +
+           per_frame(s.total.draw_calls) + per_frame(s.total.items_drawn) +
+           per_frame(s.total.triangles_drawn) + per_frame(s.total.waits) +
+           cell(figure(s.wait_ms, 2)) + cell(figure(s.cull_cpu_ms, 2)) + pixels_cell(s) + "</tr>\n";
 }
 
 std::string runs_table(const BenchDocument& document)
@@ -108,8 +110,9 @@ std::string runs_table(const BenchDocument& document)
         html += fmt::format("<th>{}</th>", heading);
     }
     html += "</tr></thead><tbody>\n";
+    const bool several = on_several_hierarchies(document.runs);
     for (const AlgorithmRun& run : document.runs) {
-        html += run_row(run);
+        html += run_row(run, several);
     }
     return html + "</tbody></table>\n<p>Counters are means per frame. Speed-up is against "
                   "<i>frustum</i>; the ratios are times against <i>opt</i> (the visible leaves "

@@ -82,7 +82,7 @@ Json run_json(const AlgorithmRun& run, const BenchDocument& document)
 {
     const Summary summary = summarise(run);
     return {{"algorithm", run.algorithm},
-            {"hierarchy", document.hierarchy},
+            {"hierarchy", run.hierarchy},
             {"device", document.device},
             {"test", document.test},
             {"guarantee", to_string(run.guarantee)},

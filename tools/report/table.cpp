@@ -32,6 +32,19 @@ std::string heading(const BenchDocument& document)
                        document.hierarchy, document.test);
 }
 
+// Adds the hierarchy as the second column where runs are on several.
+void name_hierarchies(std::vector<std::vector<std::string>>& rows,
+                      std::span<const AlgorithmRun> runs)
+{
+    if (!on_several_hierarchies(runs)) {
+        return;
+    }
+    rows[0].insert(rows[0].begin() + 1, "hierarchy");
+    for (size_t i = 0; i < runs.size(); ++i) {
+        rows[i + 1].insert(rows[i + 1].begin() + 1, runs[i].hierarchy);
+    }
+}
+
 std::vector<std::string> bench_row(const AlgorithmRun& run)
 {
     const Summary s = summarise(run);
@@ -102,6 +115,7 @@ std::string bench_table(const BenchDocument& document)
     for (const AlgorithmRun& run : document.runs) {
         rows.push_back(bench_row(run));
     }
+    name_hierarchies(rows, document.runs);
     return heading(document) + '\n' + align_columns(rows);
 }
 
@@ -113,6 +127,7 @@ std::string verify_table(const BenchDocument& document)
     for (const AlgorithmRun& run : document.runs) {
         rows.push_back(verify_row(run));
     }
+    name_hierarchies(rows, document.runs);
     return heading(document) + '\n' + align_columns(rows);
 }
 

@@ -6,6 +6,7 @@
 namespace occlude::tools {
 
 /// A heading with the scene, size, device and path, then one line per algorithm: times and ratios.
+/// Where runs are on several hierarchies, a column says which.
 std::string bench_table(const BenchDocument& document);
 
 /// The same heading, then one line per algorithm: what was compared and what differed.

@@ -1,0 +1,98 @@
+#include "commands/contenders.h"
+
+#include "support/trees.h"
+
+#include <occlude/device/scripted_device.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace occlude::tools {
+
+namespace {
+
+// Every contender of a pairing as "name/kind".
+std::vector<std::string> pairs(const std::string& algorithms, const std::string& hierarchies)
+{
+    const auto contenders = choose_contenders(algorithms, {}, {}, References::if_asked);
+    const auto pairing = pair_with_hierarchies(*contenders, algorithms, hierarchies);
+    std::vector<std::string> names;
+    for (const Contender& contender : pairing->contenders) {
+        names.push_back(contender.name + "/" + contender.hierarchy);
+    }
+    return names;
+}
+
+using Names = std::vector<std::string>;
+
+} // namespace
+
+TEST(PairWithHierarchies, EveryAlgorithmMeetsEveryKindInTheOrderOfTheList)
+{
+    EXPECT_EQ(pairs("frustum,chc", "octree,bvh,octree"),
+              (Names{"frustum/octree", "frustum/bvh", "chc/octree", "chc/bvh"}));
+    EXPECT_EQ(pairs("chc", "all"),
+              (Names{"chc/bvh", "chc/bsp", "chc/octree", "chc/grid", "chc/two_level"}));
+}
+
+TEST(PairWithHierarchies, WhatMakesNoUseOfNodesRunsOnceOnTheFirst)
+{
+    EXPECT_EQ(pairs("uniform_grid,ideal", "grid,bvh"), (Names{"uniform_grid/grid", "ideal/grid"}));
+}
+
+TEST(PairWithHierarchies, WhatDoesNotSuitIsLeftOutWithANoteUnlessBothWereNamed)
+{
+    EXPECT_EQ(pairs("batch_and_wait", "all"),
+              (Names{"batch_and_wait/bvh", "batch_and_wait/octree", "batch_and_wait/grid"}));
+    EXPECT_EQ(pairs("batch_and_wait", "bsp"), (Names{"batch_and_wait/bsp"}));
+    const Names all = pairs("all", "bsp");
+    EXPECT_EQ(std::count(all.begin(), all.end(), "batch_and_wait/bsp"), 0);
+    EXPECT_EQ(std::count(all.begin(), all.end(), "chc/bsp"), 1);
+
+    const auto contenders = choose_contenders("exact", {}, {}, References::if_asked);
+    const auto pairing = pair_with_hierarchies(*contenders, "exact", "bvh,bsp,two_level");
+    ASSERT_EQ(pairing->notes.size(), 1u);
+    EXPECT_EQ(pairing->notes[0].rfind("batch_and_wait is left out on bsp, two_level: ", 0), 0u)
+        << pairing->notes[0];
+}
+
+TEST(PairWithHierarchies, AnUnknownKindIsNamedWithWhatThereIs)
+{
+    const auto pairing = pair_with_hierarchies({}, "all", "bvh,heap");
+    ASSERT_FALSE(pairing);
+    EXPECT_NE(pairing.error().message.find("'heap'"), std::string::npos);
+    EXPECT_NE(pairing.error().message.find("octree"), std::string::npos);
+}
+
+TEST(ChooseContenders, TheTimeBudgetIsMillisecondsOfTheGivenClock)
+{
+    const Hierarchy tree = occlude::test::row_tree(3); // 8 items of 100 triangles
+    ScriptedDevice device;
+    int asked = 0;
+    const Clock clock = [&] { // every item takes 10 ms
+        ++asked;
+        return 0.01 * static_cast<double>(device.items_drawn_this_frame().size());
+    };
+    device.begin_frame(occlude::test::look_ahead()); // so that the clock starts at an empty frame
+    device.end_frame();
+    const auto triangles = [&](std::vector<std::string> sets) {
+        sets.emplace_back("prioritized.cell_triangles=100");
+        sets.emplace_back("prioritized.chunk_triangles=100");
+        const auto contenders =
+            choose_contenders("prioritized", sets, {}, References::if_asked, clock);
+        const auto culler = contenders->front().make(tree);
+        return (*culler)->cull(occlude::test::look_ahead(), device).counters.triangles_drawn;
+    };
+    EXPECT_EQ(triangles({"prioritized.budget_triangles=0"}), 800u);
+    EXPECT_EQ(asked, 0) << "without a time budget nobody looks at the clock";
+    device.begin_frame(occlude::test::look_ahead());
+    device.end_frame();
+    const uint64_t in_time =
+        triangles({"prioritized.budget_triangles=0", "prioritized.budget_time=30"});
+    EXPECT_GE(in_time, 300u);
+    EXPECT_LE(in_time, 400u);
+    EXPECT_GT(asked, 2);
+}
+
+} // namespace occlude::tools
