@@ -295,4 +295,19 @@ TEST(SuiteCommand, MeasuresPiecesAndAddsThem)
     EXPECT_GT((*chc)["per_frame.queries"], 0.0);
 }
 
+TEST(SuiteCommand, TheCommittedPageIsWhatTheCommittedResultsSay)
+{
+    const fs::path root{OCCLUDE_SOURCE_DIR};
+    const TempFolder folder;
+    const std::string page = folder.path("papers.md");
+    const std::string committed = content_of(root / "docs/papers.md");
+    const std::string scale =
+        committed.find("Scale: **full**") != std::string::npos ? "full" : "small";
+    const std::string results =
+        (root / ("benchmarks/results/llvmpipe-2core/papers-" + scale + ".json")).string();
+    ASSERT_EQ(run({"bench", "--suite", "papers", "--from", results, "--report", page}), 0);
+    EXPECT_EQ(content_of(page), committed) << "write it anew: occlude bench --suite papers --from "
+                                           << results << " --report docs/papers.md";
+}
+
 } // namespace occlude::tools

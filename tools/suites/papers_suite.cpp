@@ -90,7 +90,7 @@ std::vector<SuiteEntry> papers_entries(Scale scale)
     const Sizes library{"library", "library:triangles=1m"};
     const Sizes teapots{"teapots:count=5000,triangles=6400", "teapots:count=1000,triangles=1000"};
     const Sizes large_plant{"plant:triangles=13m", "plant:triangles=600k"};
-    const Sizes bunnies{"bunnies:count=300,triangles=70k", "bunnies:count=100,triangles=7k"};
+    const Sizes bunnies{"blobs:count=300,triangles=70k", "blobs:count=100,triangles=7k"};
     const Sizes forest{"forest:triangles=1.7m", "forest:triangles=400k"};
     const Sizes city{"city:triangles=34m,blocks=64", "city:triangles=4m,blocks=24"};
     const Sizes vienna{"vienna", "vienna:triangles=1m"};
