@@ -228,6 +228,24 @@ TEST(HtmlReport, StandsAloneAndHoldsTheData)
     EXPECT_EQ(Json::parse(data)["scene"]["name"], documents[0].scene);
 }
 
+TEST(HtmlReport, NamesTheEntriesOfASuiteAndFoldsWhatMayDiffer)
+{
+    std::vector<BenchDocument> documents = {example(), example()};
+    documents[0].entry = "city_street";
+    documents[0].runs[0].frames[0].verdict = Verdict{.differing_pixels = 7};
+    documents[1].runs[0].guarantee = Guarantee::latent(1);
+    documents[1].runs[0].frames[0].verdict = Verdict{.differing_pixels = 7};
+    const std::string html = html_report(documents);
+    EXPECT_NE(html.find("<h2 id=\"section-0\">city_street: city, "), std::string::npos);
+    EXPECT_NE(html.find("<a href=\"#section-1\">city, "), std::string::npos);
+    const size_t open = html.find("<h3>Differences</h3>");
+    const size_t folded = html.find("<details>");
+    ASSERT_NE(open, std::string::npos); // chc broke its promise ...
+    ASSERT_NE(folded, std::string::npos);
+    EXPECT_LT(open, folded); // ... and where it promised nothing, that is no alarm
+    EXPECT_EQ(html.find("<h3>Differences</h3>", open + 1), std::string::npos);
+}
+
 TEST(HtmlReport, EscapesWhatComesFromOutside)
 {
     EXPECT_EQ(html_escaped("<a href=\"x\">&"), "&lt;a href=&quot;x&quot;&gt;&amp;");
