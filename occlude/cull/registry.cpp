@@ -16,6 +16,8 @@
 #include <occlude/cull/uniform_grid.h>
 #include <occlude/hierarchy/hierarchy_kinds.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <concepts>
 #include <limits>
@@ -204,6 +206,7 @@ AlgorithmInfo describe(std::string name, std::string paper, std::string summary,
             std::move(paper),
             std::move(summary),
             true,
+            true,
             needs,
             suitable_hierarchies(tree),
             describe_options<Options>(),
@@ -267,6 +270,12 @@ std::vector<AlgorithmInfo> make_table()
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(describe<Ideal>("ideal", "comparison", "draws the items that own a pixel",
                                     answer, Tree::no_use_of));
+    const std::array<std::string_view, 5> forgetful = {"frustum", "stop_and_wait", "lazy_grid",
+                                                       "opt", "ideal"};
+    for (AlgorithmInfo& info : table) {
+        info.remembers =
+            std::find(forgetful.begin(), forgetful.end(), info.name) == forgetful.end();
+    }
     return table;
 }
 

@@ -34,7 +34,8 @@ struct AlgorithmInfo {
     std::string name;
     std::string paper; ///< who published it, or "baseline"
     std::string summary;
-    bool exact = true; ///< with its default options
+    bool exact = true;     ///< with its default options
+    bool remembers = true; ///< what it saw in a frame changes what it does in later ones
     Needs needs;
     /// The kinds of hierarchies that suit it (hierarchy_kinds.h), in their order; on the others it
     /// is right, but not what it could be. Empty: it makes no use of nodes, and all kinds are alike.
