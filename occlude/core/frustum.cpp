@@ -1,5 +1,7 @@
 #include <occlude/core/frustum.h>
 
+#include <occlude/core/detail/float4.h>
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -39,38 +41,49 @@ Frustum Frustum::from_clip(const glm::mat4& clip_from_world, ClipConvention conv
     frustum.planes_[top] = normalized_plane(w - y, scale);
     frustum.planes_[near] = normalized_plane(reversed ? high_z : low_z, scale);
     frustum.planes_[far] = normalized_plane(reversed ? low_z : high_z, scale);
+    for (size_t i = 0; i < plane_count; ++i) {
+        frustum.lanes_.x[i] = frustum.planes_[i].x;
+        frustum.lanes_.y[i] = frustum.planes_[i].y;
+        frustum.lanes_.z[i] = frustum.planes_[i].z;
+        frustum.lanes_.w[i] = frustum.planes_[i].w;
+    }
     return frustum;
 }
 
+// Four planes at once. Sums are in the order of glm::dot, so that answers are those of a loop over
+// the planes (Frustum.FourPlanesAtOnceAnswerAsOneByOne).
 Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
 {
-    if (box.is_empty()) {
-        return Containment::outside;
-    }
+    using namespace detail;
     if (!box.is_bounded()) {
-        return Containment::intersects;
+        return box.is_empty() ? Containment::outside : Containment::intersects;
     }
-    const glm::vec3 center = box.center();
-    const glm::vec3 half = 0.5f * box.extent();
+    if (mask == 0) {
+        return Containment::inside;
+    }
     // Rounding of centre, extent and dot product: a few ulps of the largest term.
     constexpr float kSlop = 1e-6f;
-    for (size_t i = 0; i < plane_count; ++i) {
-        const PlaneMask bit = static_cast<PlaneMask>(1u << i);
-        if ((mask & bit) == 0) {
-            continue;
-        }
-        const glm::vec3 normal{planes_[i]};
-        const float distance = glm::dot(normal, center) + planes_[i].w;
-        const float reach = glm::dot(glm::abs(normal), half);
-        const float slop =
-            kSlop * (glm::dot(glm::abs(normal), glm::abs(center)) + std::abs(planes_[i].w) + reach);
-        if (distance + reach < -slop) {
-            return Containment::outside;
-        }
-        if (distance - reach >= slop) {
-            mask = static_cast<PlaneMask>(mask & ~bit);
-        }
+    const glm::vec3 center = box.center();
+    const glm::vec3 half = 0.5f * box.extent();
+    const glm::vec3 far_from_origin = glm::abs(center);
+    uint32_t outside = 0;
+    uint32_t inside = 0;
+    for (size_t i = 0; i < 8; i += 4) {
+        const Float4 x = load4(&lanes_.x[i]);
+        const Float4 y = load4(&lanes_.y[i]);
+        const Float4 z = load4(&lanes_.z[i]);
+        const Float4 w = load4(&lanes_.w[i]);
+        const Float4 distance = x * center.x + y * center.y + z * center.z + w;
+        const Float4 reach = abs4(x) * half.x + abs4(y) * half.y + abs4(z) * half.z;
+        const Float4 slop = kSlop * (abs4(x) * far_from_origin.x + abs4(y) * far_from_origin.y +
+                                     abs4(z) * far_from_origin.z + abs4(w) + reach);
+        outside |= bits_of(distance + reach < -slop) << i;
+        inside |= bits_of(distance - reach >= slop) << i;
     }
+    if ((outside & mask) != 0) {
+        return Containment::outside;
+    }
+    mask = static_cast<PlaneMask>(mask & ~inside);
     return mask == 0 ? Containment::inside : Containment::intersects;
 }
 

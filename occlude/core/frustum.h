@@ -77,7 +77,13 @@ public:
     Containment classify_sphere(const glm::vec3& center, float radius, PlaneMask& mask) const;
 
 private:
+    // The planes again, side by side, for tests of four at once; two of the eight bound nothing.
+    struct Lanes {
+        std::array<float, 8> x{}, y{}, z{}, w{};
+    };
+
     std::array<glm::vec4, plane_count> planes_{};
+    Lanes lanes_;
 };
 
 } // namespace occlude

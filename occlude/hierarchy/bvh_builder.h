@@ -18,6 +18,8 @@ namespace occlude {
 struct BvhOptions {
     /// A node of at most this many items is not split further. 0 counts as 1.
     uint32_t max_leaf_items = 1;
+    /// ... unless it holds several and they have more triangles than this together.
+    uint32_t max_leaf_triangles = 64;
     /// Nodes with at most this many triangles become virtual leaves. The measured default; see
     /// docs/hierarchy.md. 0: no virtual leaves.
     uint32_t leaf_triangles = 1024;

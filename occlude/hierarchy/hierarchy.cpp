@@ -1,52 +1,23 @@
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <occlude/core/assert.h>
+#include <occlude/hierarchy/detail/node_sums.h>
 
 #include <algorithm>
 #include <atomic>
-#include <limits>
+#include <bit>
 #include <utility>
 
 namespace occlude {
+
+using detail::merged_box;
+using detail::triangle_sum;
 
 // Never decides anything but "changed", so a process-wide counter costs no determinism.
 static uint64_t next_structure_version()
 {
     static std::atomic<uint64_t> last{0};
     return ++last;
-}
-
-static uint32_t saturating_add(uint32_t a, uint32_t b)
-{
-    return a + std::min(b, std::numeric_limits<uint32_t>::max() - a);
-}
-
-// The triangles in the subtree of `node`, from its items and the finished sums of its children.
-static uint32_t triangle_sum(const Node& node, std::span<const Node> nodes,
-                             std::span<const ItemBounds> item_bounds)
-{
-    uint32_t sum = 0;
-    for (const ItemBounds& item : item_bounds.subspan(node.first_item, node.own_items)) {
-        sum = saturating_add(sum, item.triangles);
-    }
-    for (uint32_t c = 0; c < node.child_count; ++c) {
-        sum = saturating_add(sum, nodes[node.first_child.value + c].subtree_triangles);
-    }
-    return sum;
-}
-
-// The box around the items of `node` and the finished boxes of its children.
-static Aabb merged_box(const Node& node, std::span<const Node> nodes,
-                       std::span<const ItemBounds> item_bounds)
-{
-    Aabb box;
-    for (const ItemBounds& item : item_bounds.subspan(node.first_item, node.own_items)) {
-        box = merge(box, item.box);
-    }
-    for (uint32_t c = 0; c < node.child_count; ++c) {
-        box = merge(box, nodes[node.first_child.value + c].box);
-    }
-    return box;
 }
 
 static std::string sentence(size_t node, const char* what)
@@ -209,6 +180,19 @@ Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> it
     return result;
 }
 
+Hierarchy Hierarchy::from_finished_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
+                                          std::vector<ItemBounds> item_bounds)
+{
+    Hierarchy result;
+    result.nodes_ = std::move(nodes);
+    result.items_ = std::move(items);
+    result.item_bounds_ = std::move(item_bounds);
+    result.structure_version_ = next_structure_version();
+    result.collect_flagged();
+    OCCLUDE_VALIDATE(validate(result));
+    return result;
+}
+
 void Hierarchy::set_virtual_leaves(uint32_t triangles)
 {
     structure_version_ = next_structure_version();
@@ -250,21 +234,27 @@ void Hierarchy::collect_flagged()
     std::sort(flagged_.begin(), flagged_.end());
 }
 
+// Takes new bounds of the item at `place`; true if its flags have changed.
+bool Hierarchy::take_bounds(size_t place, std::span<const ItemBounds> bounds_by_item)
+{
+    ItemBounds& item = item_bounds_[place];
+    const bool known = items_[place].value < bounds_by_item.size();
+    OCCLUDE_ASSERT(known, "refit() needs the bounds of every item that it is to look at");
+    if (!known) {
+        item.box = Aabb::everything();
+        return false;
+    }
+    const ItemFlags old_flags = item.flags;
+    item = bounds_by_item[items_[place].value];
+    item.box = sanitized(item.box);
+    return item.flags != old_flags;
+}
+
 void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
 {
     bool flags_changed = false;
-    for (size_t i = 0; i < items_.size(); ++i) {
-        ItemBounds& item = item_bounds_[i];
-        const bool known = items_[i].value < bounds_by_item.size();
-        OCCLUDE_ASSERT(known, "refit() needs the bounds of every item in the hierarchy");
-        if (!known) {
-            item.box = Aabb::everything();
-            continue;
-        }
-        const ItemFlags old_flags = item.flags;
-        item = bounds_by_item[items_[i].value];
-        item.box = sanitized(item.box);
-        flags_changed = flags_changed || item.flags != old_flags;
+    for (size_t place = 0; place < items_.size(); ++place) {
+        flags_changed = take_bounds(place, bounds_by_item) || flags_changed;
     }
     if (flags_changed) {
         collect_flagged();
@@ -272,6 +262,80 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
     two_level_ = {}; // nobody said how the objects moved
     refit_nodes();
     OCCLUDE_VALIDATE(validate(*this));
+}
+
+void Hierarchy::index_places()
+{
+    if (places_.structure_version == structure_version_) {
+        return;
+    }
+    places_.structure_version = structure_version_;
+    uint32_t ids = 0;
+    for (const ItemId item : items_) {
+        ids = std::max(ids, item.value + 1);
+    }
+    places_.place_of.assign(ids, PlaceIndex::kNowhere);
+    for (size_t place = 0; place < items_.size(); ++place) {
+        places_.place_of[items_[place].value] = static_cast<uint32_t>(place);
+    }
+    places_.owner_of.resize(items_.size());
+    for (size_t id = 0; id < nodes_.size(); ++id) {
+        const Node& node = nodes_[id];
+        std::fill_n(places_.owner_of.begin() + node.first_item, node.own_items, NodeId{id});
+    }
+    places_.changed.assign((nodes_.size() + 63) / 64, 0);
+}
+
+void Hierarchy::refit(std::span<const ItemId> moved, std::span<const ItemBounds> bounds_by_item)
+{
+    if (moved.empty()) {
+        return;
+    }
+    index_places();
+    std::vector<uint64_t>& changed = places_.changed;
+    const auto mark = [&](NodeId node) {
+        changed[node.value / 64] |= uint64_t{1} << node.value % 64;
+    };
+    bool flags_changed = false;
+    for (const ItemId item : moved) {
+        const uint32_t place = item.value < places_.place_of.size() ? places_.place_of[item.value]
+                                                                    : PlaceIndex::kNowhere;
+        OCCLUDE_ASSERT(place != PlaceIndex::kNowhere, "a moved item is one of the hierarchy's");
+        if (place != PlaceIndex::kNowhere) {
+            flags_changed = take_bounds(place, bounds_by_item) || flags_changed;
+            mark(places_.owner_of[place]);
+        }
+    }
+    if (flags_changed) {
+        collect_flagged();
+    }
+    two_level_ = {};
+    // Backward, so that children are finished before their parents, which they mark on the way.
+    for (size_t word = changed.size(); word-- > 0;) {
+        while (changed[word] != 0) {
+            const auto bit = static_cast<uint32_t>(63 - std::countl_zero(changed[word]));
+            changed[word] ^= uint64_t{1} << bit;
+            Node& node = nodes_[64 * word + bit];
+            const uint32_t triangles = triangle_sum(node, nodes_, item_bounds_);
+            const Aabb box = merged_box(node, nodes_, item_bounds_);
+            const bool same = triangles == node.subtree_triangles && box == node.box;
+            node.subtree_triangles = triangles;
+            node.box = box;
+            if (!same && node.parent.valid()) {
+                mark(node.parent);
+            }
+        }
+    }
+    OCCLUDE_VALIDATE(validate(*this));
+}
+
+size_t Hierarchy::memory_bytes() const
+{
+    const auto bytes = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
+    return bytes(nodes_) + bytes(items_) + bytes(item_bounds_) + bytes(flagged_) +
+           bytes(two_level_.object) + bytes(two_level_.box) + bytes(two_level_.key) +
+           bytes(two_level_.frames) + bytes(places_.place_of) + bytes(places_.owner_of) +
+           bytes(places_.changed);
 }
 
 void Hierarchy::set_two_level(TwoLevelNodes nodes)

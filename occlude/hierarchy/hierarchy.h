@@ -137,6 +137,18 @@ public:
     /// caller's bug). O(items + nodes).
     void refit(std::span<const ItemBounds> bounds_by_item);
 
+    /// The same where only the items in `moved` have changed (each of them in the hierarchy; naming
+    /// one twice is harmless): touches these and those of their ancestors that change, and gives
+    /// bit for bit what a full refit gives. Costs more per item than a full refit, so that it pays
+    /// up to some tenth of the items; docs/scale.md has figures. The first call after the structure
+    /// has changed makes an index of 8 bytes per item, O(items). The rest is
+    /// O(moved * depth + nodes / 64).
+    void refit(std::span<const ItemId> moved, std::span<const ItemBounds> bounds_by_item);
+
+    /// Bytes of nodes, items and bounds, and of what partial refits have added. Counts what is used,
+    /// not what vectors hold in reserve.
+    size_t memory_bytes() const;
+
     /// What a two-level tree knows of its nodes; empty for other trees, and after refit().
     const TwoLevelNodes& two_level() const { return two_level_; }
     /// Precondition: one entry per node in `object`, `box` and `key`. Node ids keep their meaning.
@@ -155,16 +167,32 @@ public:
     /// no items make an empty hierarchy. Asserting builds check the layout. O(items + nodes).
     static Hierarchy from_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
                                  std::vector<ItemBounds> item_bounds);
+    /// The same of nodes in which all is set already, over boxes none of which is NaN.
+    static Hierarchy from_finished_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
+                                          std::vector<ItemBounds> item_bounds);
 
 private:
+    /// Where items are, for partial refits.
+    struct PlaceIndex {
+        std::vector<uint32_t> place_of; ///< by ItemId: into items_, or kNowhere
+        std::vector<NodeId> owner_of;   ///< by place: the node that has it among its own items
+        std::vector<uint64_t> changed;  ///< a bit per node, all clear between calls
+        uint64_t structure_version = 0; ///< that it was made for; 0: none
+
+        static constexpr uint32_t kNowhere = 0xffffffffu;
+    };
+
     void refit_nodes();
     void collect_flagged();
+    void index_places();
+    bool take_bounds(size_t place, std::span<const ItemBounds> bounds_by_item);
 
     std::vector<Node> nodes_;
     std::vector<ItemId> items_;
     std::vector<ItemBounds> item_bounds_;
     std::vector<FlaggedItem> flagged_;
     TwoLevelNodes two_level_;
+    PlaceIndex places_;
     uint64_t structure_version_ = 0;
 };
 

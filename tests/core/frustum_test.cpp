@@ -2,6 +2,8 @@
 
 #include "core/projections.h"
 
+#include <occlude/core/rng.h>
+
 #include <gtest/gtest.h>
 
 namespace occlude {
@@ -39,6 +41,68 @@ TEST(Frustum, PlanesAreUnitNormalsPointingInward)
                 EXPECT_NEAR(glm::length(glm::vec3{plane}), 1.0f, 1e-6f) << projection.name;
             }
         }
+    }
+}
+
+// The specification of Frustum::classify for bounded boxes: one plane after the other.
+Containment classify_plane_by_plane(const Frustum& frustum, const Aabb& box, PlaneMask& mask)
+{
+    const glm::vec3 center = box.center();
+    const glm::vec3 half = 0.5f * box.extent();
+    for (int i = 0; i < Frustum::plane_count; ++i) {
+        const auto bit = static_cast<PlaneMask>(1u << i);
+        if ((mask & bit) == 0) {
+            continue;
+        }
+        const glm::vec4& plane = frustum.plane(static_cast<Frustum::Plane>(i));
+        const glm::vec3 normal{plane};
+        const float distance = glm::dot(normal, center) + plane.w;
+        const float reach = glm::dot(glm::abs(normal), half);
+        const float slop =
+            1e-6f * (glm::dot(glm::abs(normal), glm::abs(center)) + std::abs(plane.w) + reach);
+        if (distance + reach < -slop) {
+            return Containment::outside;
+        }
+        if (distance - reach >= slop) {
+            mask = static_cast<PlaneMask>(mask & ~bit);
+        }
+    }
+    return mask == 0 ? Containment::inside : Containment::intersects;
+}
+
+TEST(Frustum, FourPlanesAtOnceAnswerAsOneByOne)
+{
+    Rng rng(3);
+    size_t answers[3] = {};
+    for (const Projection& projection : test::all_projections()) {
+        const Frustum frustum = Frustum::from_clip(projection.clip_from_eye, projection.convention);
+        for (int i = 0; i < 2000; ++i) {
+            // Half of the boxes touch a plane to within rounding.
+            glm::vec3 center{rng.range(-40.0f, 40.0f), rng.range(-40.0f, 40.0f),
+                             rng.range(-110.0f, 20.0f)};
+            const float half = i % 5 == 0 ? 0.0f : rng.range(0.0f, 20.0f);
+            if (i % 2 == 0) {
+                const auto which = static_cast<Frustum::Plane>(rng.below(Frustum::plane_count));
+                const glm::vec3 normal{frustum.plane(which)};
+                const float reach =
+                    half * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
+                const float side = i % 4 == 0 ? 1.0f : -1.0f;
+                center -= normal * (signed_distance(frustum, which, center) + side * reach);
+            }
+            const Aabb box = cube(center, half);
+            const auto planes = static_cast<PlaneMask>(rng.below(64));
+            PlaneMask mask = planes;
+            PlaneMask expected_mask = planes;
+            const Containment expected = classify_plane_by_plane(frustum, box, expected_mask);
+            ASSERT_EQ(frustum.classify(box, mask), expected) << projection.name << ", box " << i;
+            if (expected != Containment::outside) {
+                ASSERT_EQ(mask, expected_mask) << projection.name << ", box " << i;
+            }
+            ++answers[static_cast<size_t>(expected)];
+        }
+    }
+    for (const size_t count : answers) {
+        EXPECT_GT(count, 1000u);
     }
 }
 
