@@ -1,4 +1,4 @@
-// How long a tree over random boxes takes to build and to refit, and what it is worth: the cost by
+// How long a tree over random boxes takes to build, and what it is worth: the cost by
 // the surface area heuristic, beside Embree's trees over the same boxes on as many threads.
 #include <occlude/core/rng.h>
 #include <occlude/hierarchy/bvh_builder.h>
@@ -6,6 +6,7 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -39,20 +40,11 @@ void build_ours(benchmark::State& state)
     const std::vector<ItemBounds> items = random_items(static_cast<size_t>(state.range(0)));
     Hierarchy tree;
     for (auto _ : state) {
-        tree = build_bvh(items);
+        tree = build_bvh(items, {.max_leaf_items = static_cast<uint32_t>(state.range(1))});
     }
     state.counters["sah_cost"] = sah_cost(tree);
     if (const std::string problem = validate(tree); !problem.empty()) {
         state.SkipWithError(problem.c_str());
-    }
-}
-
-void refit(benchmark::State& state)
-{
-    const std::vector<ItemBounds> items = random_items(static_cast<size_t>(state.range(0)));
-    Hierarchy tree = build_bvh(items);
-    for (auto _ : state) {
-        tree.refit(items);
     }
 }
 
@@ -61,7 +53,8 @@ void refit(benchmark::State& state)
 // What Embree's callbacks build: enough of a tree to sum up its cost.
 struct EmbreeNode {
     RTCBounds child_bounds[2];
-    EmbreeNode* children[2] = {nullptr, nullptr}; // both null: a leaf of one box
+    EmbreeNode* children[2] = {nullptr, nullptr}; // both null: a leaf
+    size_t boxes = 0;                             // in a leaf
 };
 
 double area(const RTCBounds& b)
@@ -72,13 +65,14 @@ double area(const RTCBounds& b)
     return 2.0 * (x * y + y * z + z * x);
 }
 
-// Sum of the areas of the nodes below the root: with one box per leaf every node costs 1.
+// As sah_cost(): the areas of the nodes below the root, an inner node once, a leaf once per box.
 double area_below(const EmbreeNode& node)
 {
     double sum = 0.0;
     for (int i = 0; i < 2; ++i) {
         if (node.children[i] != nullptr) {
-            sum += area(node.child_bounds[i]) + area_below(*node.children[i]);
+            const auto boxes = static_cast<double>(std::max<size_t>(node.children[i]->boxes, 1));
+            sum += area(node.child_bounds[i]) * boxes + area_below(*node.children[i]);
         }
     }
     return sum;
@@ -103,9 +97,20 @@ void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*)
     }
 }
 
-void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive*, size_t, void*)
+void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive*, size_t count, void*)
 {
-    return create_node(allocator, 0, nullptr);
+    void* leaf = create_node(allocator, 0, nullptr);
+    static_cast<EmbreeNode*>(leaf)->boxes = count;
+    return leaf;
+}
+
+void split_box(const RTCBuildPrimitive* box, unsigned axis, float at, RTCBounds* left,
+               RTCBounds* right, void*)
+{
+    *left = *right = {box->lower_x, box->lower_y, box->lower_z, 0,
+                      box->upper_x, box->upper_y, box->upper_z, 0};
+    (&left->upper_x)[axis] = at;
+    (&right->lower_x)[axis] = at;
 }
 
 std::vector<RTCBuildPrimitive> embree_primitives(std::span<const ItemBounds> items)
@@ -134,8 +139,13 @@ void build_embree(benchmark::State& state)
     arguments.byteSize = sizeof(arguments);
     arguments.buildQuality = static_cast<RTCBuildQuality>(state.range(1));
     arguments.maxBranchingFactor = 2;
-    arguments.minLeafSize = 1;
-    arguments.maxLeafSize = 1;
+    arguments.minLeafSize = static_cast<unsigned>(state.range(2)); // never parts so few
+    arguments.maxLeafSize = static_cast<unsigned>(state.range(2));
+    if (arguments.buildQuality ==
+        RTC_BUILD_QUALITY_HIGH) { // spatial splits want room, and a callback
+        arguments.primitiveArrayCapacity = 2 * primitives.size();
+        arguments.splitPrimitive = split_box;
+    }
     arguments.bvh = bvh.get();
     arguments.primitiveCount = primitives.size();
     arguments.primitiveArrayCapacity = primitives.size();
@@ -145,6 +155,7 @@ void build_embree(benchmark::State& state)
     arguments.createLeaf = create_leaf;
     const EmbreeNode* root = nullptr;
     for (auto _ : state) {
+        scratch.reserve(arguments.primitiveArrayCapacity);
         scratch = primitives; // the build reorders them; ours copies them too
         arguments.primitives = scratch.data();
         root = static_cast<const EmbreeNode*>(rtcBuildBVH(&arguments));
@@ -161,25 +172,19 @@ void build_embree(benchmark::State& state)
 }
 
 BENCHMARK(build_embree)
-    ->ArgNames({"boxes", "quality"})
-    ->ArgsProduct({{10000, 100000, 1000000}, {RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_MEDIUM}})
+    ->ArgNames({"boxes", "quality", "leaf"})
+    ->ArgsProduct({{10000, 100000, 1000000},
+                   {RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_HIGH},
+                   {1, 4}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
 #endif
 
 BENCHMARK(build_ours)
-    ->ArgName("boxes")
-    ->RangeMultiplier(10)
-    ->Range(10000, 1000000)
+    ->ArgNames({"boxes", "leaf"})
+    ->ArgsProduct({{10000, 100000, 1000000}, {1, 4}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
-BENCHMARK(refit)
-    ->ArgName("boxes")
-    ->RangeMultiplier(10)
-    ->Range(10000, 1000000)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-
 } // namespace
 } // namespace occlude
