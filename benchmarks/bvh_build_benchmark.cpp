@@ -141,7 +141,8 @@ void build_embree(benchmark::State& state)
     arguments.maxBranchingFactor = 2;
     arguments.minLeafSize = static_cast<unsigned>(state.range(2)); // never parts so few
     arguments.maxLeafSize = static_cast<unsigned>(state.range(2));
-    if (arguments.buildQuality == RTC_BUILD_QUALITY_HIGH) { // spatial splits want room, and a callback
+    if (arguments.buildQuality ==
+        RTC_BUILD_QUALITY_HIGH) { // spatial splits want room, and a callback
         arguments.primitiveArrayCapacity = 2 * primitives.size();
         arguments.splitPrimitive = split_box;
     }

@@ -66,8 +66,9 @@ ItemBounds on_wall(Rng& rng, const glm::vec3& foot, float height)
 void add_block(std::vector<ItemBounds>& items, Rng& rng, const glm::vec3& corner)
 {
     for (int i = 0; i < 16; ++i) {
-        const glm::vec3 foot = corner + kBuilding * glm::vec3{0.5f + static_cast<float>(i % 4), 0.0f,
-                                                              0.5f + static_cast<float>(i / 4)};
+        const glm::vec3 foot =
+            corner + kBuilding * glm::vec3{0.5f + static_cast<float>(i % 4), 0.0f,
+                                           0.5f + static_cast<float>(i / 4)};
         const float height = rng.range(12.0f, 60.0f);
         items.push_back(box_on(foot, {kBuilding, height, kBuilding}));
         for (int k = 0; k < 48; ++k) {
@@ -187,8 +188,7 @@ Truth look_through_pixels(const Hierarchy& hierarchy, const View& view)
         const glm::vec3 along = glm::vec3{world_at(x, y, 1.0)} - from;
         const Hit hit = nearest_hit(hierarchy, {from, 1.0f / along});
         if (hit.place != ~0u) {
-            const glm::vec4 clip =
-                view.clip_from_world() * glm::vec4{from + hit.at * along, 1.0f};
+            const glm::vec4 clip = view.clip_from_world() * glm::vec4{from + hit.at * along, 1.0f};
             truth.depth[pixel] = 0.5f * clip.z / clip.w + 0.5f;
             seen[pixel] = hit.place;
         }

@@ -25,8 +25,8 @@ View street_view(size_t count, size_t frame, size_t frames, glm::ivec2 size_px);
 
 /// What a perfect renderer would see: through the middle of every pixel the nearest box.
 struct Truth {
-    std::vector<float> depth;       ///< window depth, row by row from the bottom; 1 where nothing is
-    std::vector<uint32_t> visible;  ///< places in Hierarchy::items(), ascending, each once
+    std::vector<float> depth;      ///< window depth, row by row from the bottom; 1 where nothing is
+    std::vector<uint32_t> visible; ///< places in Hierarchy::items(), ascending, each once
 };
 Truth look_through_pixels(const Hierarchy& hierarchy, const View& view);
 

@@ -54,7 +54,8 @@ public:
         for (size_t test = 0; test < tickets.size(); ++test) {
             bool visible = false;
             for (; box < batch.test_ends[test]; ++box) {
-                visible = visible || (visible_in_[batch.boxes[box].subject.value] >> now_ & 1u) != 0;
+                visible =
+                    visible || (visible_in_[batch.boxes[box].subject.value] >> now_ & 1u) != 0;
             }
             tickets[test] = Ticket{static_cast<uint32_t>(answers_.size()), 1};
             answers_.push_back(visible ? 1 : 0);

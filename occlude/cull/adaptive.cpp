@@ -18,13 +18,18 @@ using Scope = HierarchyCut::Scope;
 constexpr double kFirstReadAfter = 4.0;
 constexpr double kNextReadAfter = 4.0;
 
-// Read-backs of a device at rest that its cost is taken from.
-constexpr int kCostReads = 3;
+// Frames in which depth is read once more, from a device at rest, to learn what that costs; only the
+// first of them if it costs far more than was thought.
+constexpr size_t kCostReads = 3;
+constexpr double kFarMore = 4.0;
 
 // A probe that takes more than this part of a frame comes at most once in kRareProbe frames, so that
 // it stays out of the 99th percentile.
 constexpr double kNoticeable = 0.04;
 constexpr uint32_t kRareProbe = 128;
+
+// By tests on the device a probe is a whole frame of culling: not more often than this.
+constexpr double kFramesPerDeviceProbe = 16.0;
 
 // The depth of a probe: nodes of less than this part of the frame's work are not opened.
 constexpr double kProbeGrain = 1.0 / 512.0;
@@ -242,7 +247,8 @@ bool Adaptive::probe_due(double frame_us) const
     const double probe_us = std::max(costs_.round(method_).us_per_round, last_probe_us_);
     const double interval = probe_us / std::max(frame_us * double{options_.probe_share}, 1e-6);
     const bool noticeable = probe_us > kNoticeable * frame_us;
-    return frames_since_probe_ >= std::max(interval, noticeable ? double{kRareProbe} : 1.0);
+    const double least = method_ == TestMethod::pyramid ? 1.0 : kFramesPerDeviceProbe;
+    return frames_since_probe_ >= std::max(interval, noticeable ? double{kRareProbe} : least);
 }
 
 // Culling pays if what the tests hid costs more to draw than they did; decided for the next frame,
@@ -403,16 +409,17 @@ bool Adaptive::read_depth(CullFrame& frame)
 // The device is at rest: what does reading all of the target cost?
 void Adaptive::measure_read(CullFrame& frame)
 {
-    if (!clock_ || !costs_.unmeasured(TestMethod::pyramid)) {
+    const size_t measured = costs_.rounds_measured(TestMethod::pyramid);
+    const bool dear = measured > 0 && costs_.round(TestMethod::pyramid).us_per_round >
+                                          kFarMore * costs_.hint(TestMethod::pyramid).us_per_round;
+    if (!clock_ || measured >= kCostReads || dear) {
         return;
     }
     const glm::ivec2 size = frame.view().size_px();
-    for (int i = 0; i < kCostReads; ++i) {
-        const double from = now();
-        frame.read_depth({0, 0, size.x, size.y}, pyramid_.resize(size));
-        pyramid_.build();
-        costs_.tested(TestMethod::pyramid, 1, now() - from);
-    }
+    const double from = now();
+    frame.read_depth({0, 0, size.x, size.y}, pyramid_.resize(size));
+    pyramid_.build();
+    costs_.tested(TestMethod::pyramid, 1, now() - from);
 }
 
 // Draws what a candidate is, or puts what it consists of on the stack.

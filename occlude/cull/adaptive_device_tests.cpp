@@ -284,7 +284,7 @@ void Adaptive::measure_methods(CullFrame& frame, std::span<const Candidate> cand
     }
     const double us = costs_.round(method_).of(tests_last_frame_);
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
-        if (!costs_.has(method) || !costs_.unmeasured(method) ||
+        if (!costs_.has(method) || costs_.rounds_measured(method) > 0 ||
             costs_.round(method).of(tests_last_frame_) > kHopeless * us) {
             continue;
         }

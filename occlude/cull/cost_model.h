@@ -32,6 +32,7 @@ class RecentMedian {
 public:
     void add(double sample);
     bool empty() const { return count_ == 0; }
+    size_t count() const { return count_; } ///< of all samples so far
     /// Precondition: not empty.
     double value() const;
 
@@ -80,10 +81,12 @@ public:
 
     /// A round of `tests` by `method` on an idle device took `us`.
     void tested(TestMethod method, size_t tests, double us);
-    /// True until tested() has heard of a round.
-    bool unmeasured(TestMethod method) const
+    /// What the device says of it.
+    RoundCost hint(TestMethod method) const { return methods_[index(method)].hint; }
+    /// Rounds of a single test that tested() has heard of.
+    size_t rounds_measured(TestMethod method) const
     {
-        return methods_[index(method)].small_round_us.empty();
+        return methods_[index(method)].small_round_us.count();
     }
 
 private:

@@ -43,7 +43,7 @@ struct Buffer {
 // A subtree in the making. Nodes are numbered within it, its root first, then the descendants as
 // in the finished tree: a pair of children, all below the left one, all below the right one.
 struct Subtree {
-    std::vector<Node> nodes;           // of a small one ...
+    std::vector<Node> nodes;            // of a small one ...
     std::unique_ptr<Subtree> left = {}; // ... or the two halves of a large one
     std::unique_ptr<Subtree> right = {};
 };
@@ -87,13 +87,12 @@ void group(std::span<const ItemBounds> items, const Census& census, Primitives o
         return Primitive::of(static_cast<uint32_t>(i), items[i].box, items[i].triangles);
     };
     if (census.sizes[0] == items.size()) {
-        tbb::parallel_for(
-            tbb::blocked_range<size_t>(0, items.size(), kParallelFor),
-            [&](const tbb::blocked_range<size_t>& range) {
-                for (size_t i = range.begin(); i < range.end(); ++i) {
-                    out[i] = primitive(i);
-                }
-            });
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, items.size(), kParallelFor),
+                          [&](const tbb::blocked_range<size_t>& range) {
+                              for (size_t i = range.begin(); i < range.end(); ++i) {
+                                  out[i] = primitive(i);
+                              }
+                          });
         return;
     }
     std::array<size_t, kKinds> next{0, census.sizes[0], census.sizes[0] + census.sizes[1]};
@@ -148,12 +147,11 @@ public:
                                                    from.subspan(first, count), first_item + first,
                                                    part_centers, depth + 1));
         };
-        tbb::parallel_invoke(
-            [&] { tree.left = build_part(0, parts.left, parts.left_centers); },
-            [&] {
-                tree.right =
-                    build_part(parts.left, from.size() - parts.left, parts.right_centers);
-            });
+        tbb::parallel_invoke([&] { tree.left = build_part(0, parts.left, parts.left_centers); },
+                             [&] {
+                                 tree.right = build_part(parts.left, from.size() - parts.left,
+                                                         parts.right_centers);
+                             });
         return tree;
     }
 
@@ -306,7 +304,8 @@ Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options
     const Primitives bounded = primitives.all.first(census.sizes[0]);
     Subtree tree;
     if (!bounded.empty()) {
-        tree = builder.build(bounded, scratch.all.first(bounded.size()), 0, all_centers(bounded), 0);
+        tree =
+            builder.build(bounded, scratch.all.first(bounded.size()), 0, all_centers(bounded), 0);
     }
 
     std::vector<Node> nodes;

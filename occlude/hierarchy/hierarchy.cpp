@@ -293,7 +293,9 @@ void Hierarchy::refit(std::span<const ItemId> moved, std::span<const ItemBounds>
     }
     index_places();
     std::vector<uint64_t>& changed = places_.changed;
-    const auto mark = [&](NodeId node) { changed[node.value / 64] |= uint64_t{1} << node.value % 64; };
+    const auto mark = [&](NodeId node) {
+        changed[node.value / 64] |= uint64_t{1} << node.value % 64;
+    };
     bool flags_changed = false;
     for (const ItemId item : moved) {
         const uint32_t place = item.value < places_.place_of.size() ? places_.place_of[item.value]

@@ -84,7 +84,8 @@ TEST(Frustum, FourPlanesAtOnceAnswerAsOneByOne)
             if (i % 2 == 0) {
                 const auto which = static_cast<Frustum::Plane>(rng.below(Frustum::plane_count));
                 const glm::vec3 normal{frustum.plane(which)};
-                const float reach = half * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
+                const float reach =
+                    half * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
                 const float side = i % 4 == 0 ? 1.0f : -1.0f;
                 center -= normal * (signed_distance(frustum, which, center) + side * reach);
             }

@@ -1,6 +1,7 @@
 // `adaptive` on devices with other costs than this machine's: on each of them it must keep up with
 // the algorithm that suits it best, and never lose to frustum culling. The clock is the model's.
 #include <occlude/backends/cpu/cpu_device.h>
+#include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/registry.h>
 #include <occlude/device/cost_model_device.h>
 #include <occlude/hierarchy/bvh_builder.h>
@@ -12,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
+#include <algorithm>
 #include <string>
 
 namespace occlude {
@@ -20,6 +21,7 @@ namespace {
 
 constexpr glm::ivec2 kSize{192, 108};
 constexpr uint32_t kTrianglesPerItem = 150;
+constexpr int kLearningFrames = 8;
 constexpr int kFrames = 60;
 
 // Rows of houses along streets, with smaller boxes in the yards.
@@ -68,19 +70,28 @@ public:
     {
     }
 
+    /// The seconds that all frames but the first take, in which `adaptive` learns. Every image is
+    /// compared with that of frustum culling.
     double seconds(const std::string& algorithm, View (*camera)(int), FramePlan* last = nullptr)
     {
         CpuDevice cpu(scene_);
+        CpuDevice reference_device(scene_);
+        FrustumCuller reference{tree_};
         CostModelDevice device{cpu, costs_, triangles_};
         auto culler = make_culler(algorithm, tree_, {}, [&device] { return device.seconds(); });
         EXPECT_TRUE(culler);
-        for (int frame = 0; frame < kFrames; ++frame) {
+        double learnt = 0.0;
+        for (int frame = 0; frame < kLearningFrames + kFrames; ++frame) {
+            learnt = frame == kLearningFrames ? device.seconds() : learnt;
             const FrameReport report = (*culler)->cull(camera(frame), device);
+            reference.cull(camera(frame), reference_device);
+            EXPECT_TRUE(std::ranges::equal(cpu.depth(), reference_device.depth()))
+                << algorithm << " frame " << frame;
             if (last != nullptr) {
                 *last = report.plan;
             }
         }
-        return device.seconds();
+        return device.seconds() - learnt;
     }
 
 private:

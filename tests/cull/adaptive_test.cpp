@@ -166,11 +166,11 @@ TEST(CostModel, LearnsRoundsAndTests)
     costs.take_hints(caps);
     EXPECT_FALSE(costs.has(TestMethod::raster));
     EXPECT_NEAR(costs.round(TestMethod::queries).of(10.0), 60.0 + 220.0, 1e-3);
-    EXPECT_TRUE(costs.unmeasured(TestMethod::queries));
+    EXPECT_EQ(costs.rounds_measured(TestMethod::queries), 0u);
     costs.tested(TestMethod::queries, 1, 100.0);
     costs.tested(TestMethod::queries, 17, 100.0 + 16 * 5.0);
     EXPECT_NEAR(costs.round(TestMethod::queries).of(10.0), 100.0 + 50.0, 1e-9);
-    EXPECT_FALSE(costs.unmeasured(TestMethod::queries));
+    EXPECT_EQ(costs.rounds_measured(TestMethod::queries), 1u);
 }
 
 TEST(ScreenCoverage, FillsTheScreenFrontToBack)

@@ -76,15 +76,15 @@ TEST_P(PartialRefit, FollowsAHierarchyThatIsReplaced)
     EXPECT_TRUE(test::same_tree(tree, expected));
 }
 
-INSTANTIATE_TEST_SUITE_P(Hierarchy, PartialRefit,
-                         ::testing::Values("bvh", "bsp", "octree", "grid"),
+INSTANTIATE_TEST_SUITE_P(Hierarchy, PartialRefit, ::testing::Values("bvh", "bsp", "octree", "grid"),
                          [](const auto& param) { return param.param; });
 
 TEST(HierarchyMemory, CountsNodesItemsAndBounds)
 {
     const Hierarchy tree = build_bvh(test::random_items(1000, 1), {.max_leaf_items = 1});
     EXPECT_EQ(tree.nodes().size(), 1999u);
-    EXPECT_EQ(tree.memory_bytes(), 1999 * sizeof(Node) + 1000 * (sizeof(ItemId) + sizeof(ItemBounds)));
+    EXPECT_EQ(tree.memory_bytes(),
+              1999 * sizeof(Node) + 1000 * (sizeof(ItemId) + sizeof(ItemBounds)));
 }
 
 } // namespace

@@ -29,6 +29,8 @@ void* operator new(size_t size)
     }
     throw std::bad_alloc{};
 }
+// GCC 12 sees malloc and operator delete, and not that this one is its counterpart.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 void operator delete(void* memory) noexcept
 {
     live_bytes -= memory != nullptr ? malloc_usable_size(memory) : 0;
@@ -64,7 +66,8 @@ public:
     {
         for (size_t i = 0; i < tickets.size(); ++i) {
             bool visible = false;
-            for (uint32_t box = i == 0 ? 0 : batch.test_ends[i - 1]; box < batch.test_ends[i]; ++box) {
+            for (uint32_t box = i == 0 ? 0 : batch.test_ends[i - 1]; box < batch.test_ends[i];
+                 ++box) {
                 visible = visible || node_visible(batch.boxes[box].subject);
             }
             tickets[i] = answer(visible);

@@ -43,8 +43,7 @@ inline Aabb merged_box(const Node& node, std::span<const Node> nodes,
 }
 
 /// Sets the sums and the box of `node`; `nodes` are what its children are counted in.
-inline void sum_up(Node& node, std::span<const Node> nodes,
-                   std::span<const ItemBounds> item_bounds)
+inline void sum_up(Node& node, std::span<const Node> nodes, std::span<const ItemBounds> item_bounds)
 {
     node.subtree_items = node.own_items;
     for (uint32_t c = 0; c < node.child_count; ++c) {
