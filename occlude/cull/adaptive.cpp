@@ -28,7 +28,7 @@ constexpr double kFarMore = 4.0;
 constexpr double kNoticeable = 0.04;
 constexpr uint32_t kRareProbe = 128;
 
-// By tests on the device a probe is a whole frame of culling: not more often than this.
+// By tests on the device a probe takes many of them: not more often than this.
 constexpr double kFramesPerDeviceProbe = 16.0;
 
 // The depth of a probe: nodes of less than this part of the frame's work are not opened.
@@ -120,14 +120,16 @@ void Adaptive::note_first_answer(bool found_hidden)
 
 void Adaptive::keep_hidden(CullFrame& frame, HierarchyCut::Entry entry, Decision decision)
 {
-    if (decision != Decision::undecided) {
+    if (decision == Decision::undecided) {
+        entry.frames_hidden = 0; // drawn in this frame
+    } else {
+        entry.frames_hidden = static_cast<uint16_t>(std::min(entry.frames_hidden + 1, 0xffff));
+        hidden_units_ += costs_.units(hierarchy().node(entry.node));
+    }
+    if (decision != Decision::undecided && !probing_) {
         frame.decide(entry.node, decision,
                      entry.scope == Scope::own_items ? DecisionLog::Scope::own_items
                                                      : DecisionLog::Scope::subtree);
-        entry.frames_hidden = static_cast<uint16_t>(std::min(entry.frames_hidden + 1, 0xffff));
-        hidden_units_ += costs_.units(hierarchy().node(entry.node));
-    } else {
-        entry.frames_hidden = 0; // drawn in this frame
     }
     entry.state = State::hidden;
     entry.tested = frame.stamp();
@@ -141,8 +143,12 @@ void Adaptive::keep_visible(HierarchyCut::Entry entry)
     cut_.keep(entry);
 }
 
+// In a probe everything is drawn already.
 void Adaptive::draw_entry(CullFrame& frame, const Candidate& candidate, Decision decision)
 {
+    if (probing_) {
+        return;
+    }
     if (candidate.entry.scope == Scope::own_items) {
         frame.draw_own(candidate.entry.node, candidate.mask, decision);
     } else {
@@ -211,6 +217,13 @@ void Adaptive::start_frame(CullFrame& frame)
         method_ = method;
         cut_.clear(); // its grain was that of the other method
         late_.clear();
+        last_probe_us_ = 0.0;
+        frames_since_probe_ = kRareProbe;
+    }
+    if (cut_.empty() && method_ != TestMethod::pyramid) {
+        // Tests see nothing before something is drawn: draws all, then tests all of that.
+        culling_ = false;
+        frames_since_probe_ = first_look_ ? kRareProbe : frames_since_probe_;
     }
     can_test_ = costs_.has(method_) && options_.method != AdaptiveOptions::Method::draw_all;
     tests_ = 0.0;
@@ -272,8 +285,6 @@ void Adaptive::judge(CullFrame& frame)
     if (options_.method == AdaptiveOptions::Method::automatic && !pays) {
         stop_culling();
         frames_since_probe_ = depth_known_ || method_ != TestMethod::pyramid ? 0 : kRareProbe;
-        // By the device a probe is a frame like this one.
-        last_probe_us_ = method_ == TestMethod::pyramid ? 0.0 : spent_us_;
     }
 }
 
@@ -553,18 +564,36 @@ void Adaptive::probe(CullFrame& frame)
 {
     frames_since_probe_ = 0;
     frame.plan().reason = FramePlan::Reason::probe;
-    if (method_ != TestMethod::pyramid) {
-        culling_ = true; // one frame of culling is the probe
-        saved_per_spent_ = 0.0;
-        first_look_ = true;
-        return;
+    cut_.reset(hierarchy());
+    if (method_ == TestMethod::pyramid) {
+        probe_by_pyramid(frame);
+    } else {
+        probing_ = true;
+        candidates_.assign(1, Candidate{cut_.entries()[0]});
+        by_rounds(frame);
+        probing_ = false;
+        last_probe_us_ = spent_us_;
     }
+    cut_.finish(hierarchy(), [](NodeId, bool, HierarchyCut::Entry&) { return false; });
+    const double saved_us = costs_.us_per_unit() * hidden_units_;
+    frame.plan().saved_us = static_cast<float>(saved_us);
+    frame.plan().spent_us = static_cast<float>(spent_us_);
+    culling_ = saved_us > double{options_.start_margin} * spent_us_;
+    if (culling_) {
+        saved_per_spent_ = saved_us / std::max(spent_us_, 1e-3);
+        first_look_ = false;
+    } else {
+        cut_.clear();
+    }
+}
+
+void Adaptive::probe_by_pyramid(CullFrame& frame)
+{
     if (!read_depth(frame)) {
         return;
     }
     const double tested_from = now();
     const double grain = kProbeGrain * drawn_units(costs_, frame);
-    cut_.reset(hierarchy());
     stack_.assign(1, Candidate{cut_.entries()[0]});
     while (!stack_.empty()) {
         Candidate candidate = stack_.back();
@@ -586,17 +615,7 @@ void Adaptive::probe(CullFrame& frame)
             add_children(frame, candidate, stack_);
         }
     }
-    cut_.finish(hierarchy(), [](NodeId, bool, HierarchyCut::Entry&) { return false; });
     spent_us_ += clock_ ? now() - tested_from : tests_ * costs_.round(method_).us_per_test;
-    const double saved_us = costs_.us_per_unit() * hidden_units_;
-    frame.plan().saved_us = static_cast<float>(saved_us);
-    frame.plan().spent_us = static_cast<float>(spent_us_);
-    culling_ = saved_us > double{options_.start_margin} * spent_us_;
-    if (culling_) {
-        saved_per_spent_ = saved_us / std::max(spent_us_, 1e-3);
-    } else {
-        cut_.clear();
-    }
 }
 
 void Adaptive::cull_frame(CullFrame& frame)

@@ -29,6 +29,7 @@
 //             or a few rounds of tests. When it draws all: that of `frustum`, and the probes.
 #pragma once
 
+#include <occlude/core/depth_pyramid.h>
 #include <occlude/core/projection.h>
 #include <occlude/cull/chc_plus_plus_math.h>
 #include <occlude/cull/clock.h>
@@ -36,7 +37,6 @@
 #include <occlude/cull/coverage.h>
 #include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
-#include <occlude/core/depth_pyramid.h>
 #include <occlude/cull/frustum_walk.h>
 #include <occlude/cull/hierarchy_cut.h>
 
@@ -105,6 +105,7 @@ private:
     void draw_all(CullFrame& frame);
     bool probe_due(double frame_us) const;
     void probe(CullFrame& frame);
+    void probe_by_pyramid(CullFrame& frame);
 
     // --- one frame of culling ---
     void sort_out(CullFrame& frame);
@@ -125,6 +126,7 @@ private:
 
     // --- by tests on the device (adaptive_device_tests.cpp) ---
     void by_device(CullFrame& frame);
+    void by_rounds(CullFrame& frame);
     void collect_round(CullFrame& frame, bool first_round);
     void group_round(CullFrame& frame);
     void note_answer(const Candidate& candidate, bool found_hidden);
@@ -165,6 +167,7 @@ private:
     double hidden_share_ = 0.5; ///< of the work in nodes that were tested for the first time
 
     // Of the frame.
+    bool probing_ = false; ///< asking of a frame that is drawn already
     double started_us_ = 0.0;
     double tests_ = 0.0;      ///< made so far
     double spent_us_ = 0.0;   ///< on them

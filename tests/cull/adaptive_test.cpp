@@ -38,10 +38,11 @@ TEST(Adaptive, TestsInRoundsAndStartsFromTheCutOfTheLastFrame)
     ScriptedDevice device(priced(1.0f, {0, 1, 3}));
     Adaptive culler{tree};
     culler.cull(look_ahead(), device);
-    EXPECT_EQ(device.frame_text(0), "query queries [0]\nflush\nwait 0 -> 1000\n"
+    // The first frame draws all and then asks of it, in rounds.
+    EXPECT_EQ(device.frame_text(0), "draw 0 1 2 3\n"
+                                    "query queries [0]\nflush\nwait 0 -> 1000\n"
                                     "query queries [1] [2]\nflush\nwait 1 -> 1000\nwait 2 -> 0\n"
-                                    "query queries [3] [4]\nflush\nwait 3 -> 1000\nwait 4 -> 0\n"
-                                    "draw 0\n");
+                                    "query queries [3] [4]\nflush\nwait 3 -> 1000\nwait 4 -> 0\n");
     culler.cull(look_ahead(), device);
     // 3 is drawn at once; 4 and 2 were hidden once and may share a query.
     EXPECT_EQ(device.frame_text(1), "draw 0\nflush\nquery queries [4 2]\nflush\nwait 4 2 -> 0\n");
