@@ -65,6 +65,35 @@ TEST(PairWithHierarchies, AnUnknownKindIsNamedWithWhatThereIs)
     EXPECT_NE(pairing.error().message.find("octree"), std::string::npos);
 }
 
+TEST(ChooseContenders, OneAlgorithmTakesPartSeveralTimesWithOptionsOfItsOwn)
+{
+    const std::vector<std::string> sets{"chc.threshold=1"};
+    const auto contenders = choose_contenders(
+        "chc:threshold=9:visible_test=geometry,frustum,chc,chc", sets, {}, References::if_asked);
+    ASSERT_TRUE(contenders) << contenders.error().message;
+    Names names;
+    for (const Contender& contender : *contenders) {
+        names.push_back(contender.name);
+    }
+    EXPECT_EQ(names, (Names{"frustum", "chc:threshold=9:visible_test=geometry", "chc"}));
+    const Hierarchy tree = occlude::test::row_tree(1);
+    const auto promise = [&](size_t i) {
+        ScriptedDevice device;
+        const auto culler = (*contenders)[i].make(tree);
+        return to_string((*culler)->cull(occlude::test::look_ahead(), device).guarantee);
+    };
+    EXPECT_EQ(promise(1), "approximate(9)") << "its own option, after that of --set";
+    EXPECT_EQ(promise(2), "approximate(1)");
+    EXPECT_EQ(pairs("chc:threshold=2,chc", "bvh"), (Names{"chc:threshold=2/bvh", "chc/bvh"}));
+
+    const auto wrong = choose_contenders("chc:threshold", {}, {}, References::if_asked);
+    ASSERT_FALSE(wrong);
+    EXPECT_NE(wrong.error().message.find("ALGORITHM:OPTION=VALUE"), std::string::npos);
+    const auto unknown = choose_contenders("magic:x=1", {}, {}, References::if_asked);
+    ASSERT_FALSE(unknown);
+    EXPECT_NE(unknown.error().message.find("'magic'"), std::string::npos);
+}
+
 TEST(ChooseContenders, TheTimeBudgetIsMillisecondsOfTheGivenClock)
 {
     const Hierarchy tree = occlude::test::row_tree(3); // 8 items of 100 triangles

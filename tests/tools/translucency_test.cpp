@@ -1,8 +1,8 @@
 // Translucent items from the material to the image, on both renderers.
 #include "tools/tiny_scenes.h"
 
-#include "render/gl_renderer.h"
 #include "measure/verify.h"
+#include "render/gl_renderer.h"
 
 #include <gtest/gtest.h>
 

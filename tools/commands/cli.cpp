@@ -104,7 +104,9 @@ void add_compare_options(CLI::App& app, RawStage& raw, CompareOptions& compare)
     app.add_option("scenes", compare.scenes, "Files, or scenes of 'occlude list scenes'")
         ->required()
         ->type_name("SCENE...");
-    app.add_option("--algorithms", compare.algorithms, "all, exact, or names between commas")
+    app.add_option(
+           "--algorithms", compare.algorithms,
+           "all, exact, or names between commas; NAME:OPTION=VALUE is one with its own option")
         ->capture_default_str();
     add_stage_options(app, raw, true);
     add_frames_option(app, raw.stage);

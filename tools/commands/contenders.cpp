@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 
 namespace occlude::tools {
 
@@ -28,34 +27,84 @@ bool runs_on(const AlgorithmInfo& info, const DeviceCaps& caps)
     return !info.needs.depth_read || caps.read_depth;
 }
 
-Result<std::set<std::string>> chosen_names(const std::string& list, const DeviceCaps& caps)
+// One entry of --algorithms.
+struct Choice {
+    const AlgorithmInfo* info = nullptr;
+    std::string label; ///< as it was typed
+    std::vector<OptionValue> options;
+};
+
+// "lazy_grid:update=busy": an algorithm, and options for this entry alone.
+Result<Choice> parse_choice(const std::string& text, const DeviceCaps& caps)
 {
-    std::set<std::string> chosen;
-    if (list == "all" || list == "exact") {
-        for (const AlgorithmInfo& info : algorithms()) {
-            if (runs_on(info, caps) && (info.exact || list == "all")) {
-                chosen.insert(info.name);
+    const std::string name = text.substr(0, text.find(':'));
+    Choice choice{find_algorithm(name), text, {}};
+    if (choice.info == nullptr) {
+        return Error{ErrorCode::not_found,
+                     fmt::format("--algorithms: there is no algorithm '{}'; choose all, exact, "
+                                 "or from: {}",
+                                 name, all_names())};
+    }
+    if (!runs_on(*choice.info, caps)) {
+        return Error{ErrorCode::unsupported,
+                     fmt::format("--algorithms: {} reads the depth buffer, which the device "
+                                 "'{}' does not offer; choose another --device",
+                                 name, caps.name)};
+    }
+    for (size_t at = name.size(); at < text.size();) {
+        const size_t end = std::min(text.find(':', at + 1), text.size());
+        const auto set = parse_set(name + "." + text.substr(at + 1, end - at - 1));
+        if (!set) {
+            return Error{ErrorCode::invalid_argument,
+                         fmt::format("--algorithms: '{}' is not an algorithm with options; write "
+                                     "ALGORITHM:OPTION=VALUE, such as chc:threshold=20",
+                                     text)};
+        }
+        choice.options.emplace_back(set->option, set->value);
+        at = end;
+    }
+    return choice;
+}
+
+bool is_group(std::string_view name)
+{
+    return name == "all" || name == "exact";
+}
+
+// Each entry once, in the order of the registry.
+Result<std::vector<Choice>> choose(const std::string& list, const DeviceCaps& caps,
+                                   References references)
+{
+    std::vector<Choice> choices;
+    const auto add = [&](Choice choice) {
+        if (std::none_of(choices.begin(), choices.end(),
+                         [&](const Choice& c) { return c.label == choice.label; })) {
+            choices.push_back(std::move(choice));
+        }
+    };
+    for (const std::string& entry : split_commas(list)) {
+        if (is_group(entry)) {
+            for (const AlgorithmInfo& info : algorithms()) {
+                if (runs_on(info, caps) && (info.exact || entry == "all")) {
+                    add({&info, info.name, {}});
+                }
             }
+            continue;
         }
-        return chosen;
+        auto choice = parse_choice(entry, caps);
+        if (!choice) {
+            return choice.error();
+        }
+        add(std::move(*choice));
     }
-    for (const std::string& name : split_commas(list)) {
-        const AlgorithmInfo* info = find_algorithm(name);
-        if (info == nullptr) {
-            return Error{ErrorCode::not_found,
-                         fmt::format("--algorithms: there is no algorithm '{}'; choose all, exact, "
-                                     "or from: {}",
-                                     name, all_names())};
+    if (references == References::always) {
+        for (const std::string_view name : kReferences) {
+            add({find_algorithm(name), std::string{name}, {}});
         }
-        if (!runs_on(*info, caps)) {
-            return Error{ErrorCode::unsupported,
-                         fmt::format("--algorithms: {} reads the depth buffer, which the device "
-                                     "'{}' does not offer; choose another --device",
-                                     name, caps.name)};
-        }
-        chosen.insert(name);
     }
-    return chosen;
+    std::stable_sort(choices.begin(), choices.end(),
+                     [](const Choice& a, const Choice& b) { return a.info < b.info; });
+    return choices;
 }
 
 Result<std::vector<OptionValue>> settings_of(const AlgorithmInfo& info,
@@ -75,7 +124,7 @@ Result<std::vector<OptionValue>> settings_of(const AlgorithmInfo& info,
 }
 
 // Every setting must reach somebody: a typing error must not pass as a measurement.
-Result<bool> check_settings(std::span<const std::string> sets, const std::set<std::string>& chosen)
+Result<bool> check_settings(std::span<const std::string> sets, std::span<const Choice> choices)
 {
     for (const std::string& text : sets) {
         const auto set = parse_set(text);
@@ -87,7 +136,8 @@ Result<bool> check_settings(std::span<const std::string> sets, const std::set<st
                          fmt::format("--set {}: there is no algorithm '{}'; there are: {}", text,
                                      set->algorithm, all_names())};
         }
-        if (!chosen.contains(set->algorithm)) {
+        if (std::none_of(choices.begin(), choices.end(),
+                         [&](const Choice& c) { return c.info->name == set->algorithm; })) {
             return Error{ErrorCode::invalid_argument,
                          fmt::format("--set {}: {} does not take part; add it to --algorithms",
                                      text, set->algorithm)};
@@ -103,29 +153,24 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
                                                  const DeviceCaps& caps, References references,
                                                  const Clock& clock)
 {
-    auto chosen = chosen_names(list, caps);
-    if (!chosen) {
-        return chosen.error();
+    const auto choices = choose(list, caps, references);
+    if (!choices) {
+        return choices.error();
     }
-    if (references == References::always) {
-        chosen->insert(kReferences.begin(), kReferences.end());
-    }
-    if (const auto checked = check_settings(sets, *chosen); !checked) {
+    if (const auto checked = check_settings(sets, *choices); !checked) {
         return checked.error();
     }
     std::vector<Contender> contenders;
-    for (const AlgorithmInfo& info : algorithms()) {
-        if (!chosen->contains(info.name)) {
-            continue;
+    for (const Choice& choice : *choices) {
+        auto values = settings_of(*choice.info, sets);
+        if (!values) {
+            return values.error();
         }
-        const auto settings = settings_of(info, sets);
-        if (!settings) {
-            return settings.error();
-        }
-        contenders.push_back(
-            {info.name, [name = info.name, values = *settings, clock](const Hierarchy& hierarchy) {
-                 return make_culler(name, hierarchy, values, clock);
-             }});
+        values->insert(values->end(), choice.options.begin(), choice.options.end());
+        contenders.push_back({choice.label, [name = choice.info->name, values = std::move(*values),
+                                             clock](const Hierarchy& hierarchy) {
+                                  return make_culler(name, hierarchy, values, clock);
+                              }});
     }
     return contenders;
 }
@@ -155,10 +200,13 @@ Result<Pairing> pair_with_hierarchies(std::span<const Contender> contenders,
     if (!kinds) {
         return kinds.error();
     }
-    const bool both_named = algorithms != "all" && algorithms != "exact" && hierarchies != "all";
+    const std::vector<std::string> entries = split_commas(algorithms);
+    const bool both_named =
+        hierarchies != "all" && std::none_of(entries.begin(), entries.end(), is_group);
     Pairing pairing;
     for (const Contender& contender : contenders) {
-        const AlgorithmInfo& info = *find_algorithm(contender.name);
+        const AlgorithmInfo& info =
+            *find_algorithm(contender.name.substr(0, contender.name.find(':')));
         std::vector<std::string> left_out;
         for (const std::string& kind : *kinds) {
             if (!both_named && !info.hierarchies.empty() && !suits(info, kind)) {

@@ -10,7 +10,8 @@ namespace occlude::tools {
 /// Whether the algorithms that all others are compared with run even if nobody asked for them.
 enum class References { always, if_asked };
 
-/// The algorithms of `list` ("all", "exact" or names between commas) with the settings of `sets`,
+/// The algorithms of `list` ("all", "exact" or names between commas; "chc:threshold=20" is one with
+/// options of its own, so that settings can be compared in one run) with the settings of `sets`,
 /// each once, in the order of the registry. Algorithms that need more than `caps` offers are left
 /// out of "all" and "exact", and are an error when named. Other errors name the unknown algorithm,
 /// option or setting and what there is. Options that count in time ask `clock`.
