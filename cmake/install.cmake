@@ -14,6 +14,8 @@ if(TARGET occlude_gl)
 endif()
 if(TARGET occlude_program)
   install(TARGETS occlude_program)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/bunny
+          DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/occlude/assets)
 endif()
 
 configure_package_config_file(

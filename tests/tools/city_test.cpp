@@ -193,7 +193,9 @@ TEST(Generators, AreListedWithTheirParameters)
             load_scene(info.name == "city" ? "city:blocks=2,triangles=100k" : info.name);
         EXPECT_TRUE(model) << info.name;
     }
-    EXPECT_EQ(names, (std::set<std::string>{"blobs", "boxcity", "boxes", "city", "movers"}));
+    EXPECT_EQ(names, (std::set<std::string>{"blobs", "boxcity", "boxes", "bunnies", "city",
+                                            "forest", "library", "movers", "plant", "pyramids",
+                                            "rings", "teapots", "vienna"}));
 }
 
 TEST(Boxes, AreAsManyAsAskedForAndFollowTheirSeed)

@@ -17,7 +17,7 @@ constexpr uint64_t kMaxFrames = 1000000;
 constexpr uint64_t kMaxRepeats = 10000;
 constexpr uint64_t kMaxSamples = 64;
 constexpr uint64_t kMaxTriangles = 0xffffffff;
-constexpr std::array<const char*, 5> kCommands = {"bench", "verify", "render", "info", "list"};
+constexpr std::array kCommands = {"bench", "verify", "render", "info", "list", "generate"};
 
 // Options that need more than CLI11's own conversions arrive as text first.
 struct RawStage {
@@ -188,6 +188,11 @@ public:
                          "algorithms, hierarchies, devices, scenes or paths")
             ->required();
         list_->add_option("scene", list_options_.scene, "For paths: the scene whose paths to list");
+        generate_ = app_.add_subcommand("generate", "Write a generated scene as a file");
+        generate_->add_option("scene", generate_options_.scene, "A scene of 'occlude list scenes'")
+            ->required()
+            ->type_name("KIND[:KEY=VALUE,...]");
+        generate_->add_option("--out", generate_options_.out, "FILE.glb")->required();
     }
 
     CLI::App& app() { return app_; }
@@ -210,6 +215,9 @@ public:
             info_options_.stage = finish_stage(info_stage_, *info_);
             return info_command(info_options_, streams);
         }
+        if (generate_->parsed()) {
+            return generate_command(generate_options_, streams);
+        }
         return list_command(list_options_, streams);
     }
 
@@ -220,6 +228,7 @@ private:
     CLI::App* render_ = nullptr;
     CLI::App* info_ = nullptr;
     CLI::App* list_ = nullptr;
+    CLI::App* generate_ = nullptr;
     RawStage compare_stage_;
     RawStage render_stage_;
     RawStage info_stage_;
@@ -227,6 +236,7 @@ private:
     RenderOptions render_options_;
     InfoOptions info_options_;
     ListOptions list_options_;
+    GenerateOptions generate_options_;
 };
 
 // The command the user named, if there is such a one; for "see 'occlude X --help'".

@@ -21,6 +21,7 @@ Result<int> bench_command(const CompareOptions& options, const Streams& streams)
 Result<int> verify_command(const CompareOptions& options, const Streams& streams);
 Result<int> render_command(const RenderOptions& options, const Streams& streams);
 Result<int> info_command(const InfoOptions& options, const Streams& streams);
+Result<int> generate_command(const GenerateOptions& options, const Streams& streams);
 Result<int> list_command(const ListOptions& options, const Streams& streams);
 
 } // namespace occlude::tools

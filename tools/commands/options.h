@@ -61,6 +61,11 @@ struct InfoOptions {
     std::string scene;
 };
 
+struct GenerateOptions {
+    std::string scene;
+    std::string out;
+};
+
 struct ListOptions {
     std::string what;
     std::string scene; ///< for paths only; may be empty

@@ -1,6 +1,7 @@
 #include "commands/session.h"
 
 #include "scenes/exact_split.h"
+#include "scenes/paths.h"
 
 #include <occlude/hierarchy/hierarchy_kinds.h>
 
@@ -185,6 +186,12 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
                      fmt::format("scene '{}' is empty: it holds no triangle; choose another file, "
                                  "or a scene of 'occlude list scenes'",
                                  scene)};
+    }
+    if (options.path.ends_with(".json")) {
+        const auto movers = read_movers(options.path, *model);
+        if (!movers) {
+            return movers.error();
+        }
     }
     std::unique_ptr<Session> session{
         new Session{std::move(*model), options, *parse_hierarchies(options.hierarchy)}};

@@ -1,11 +1,18 @@
 #include "scenes/assimp_loader.h"
 #include "scenes/boxcity_generator.h"
 #include "scenes/boxes_generator.h"
+#include "scenes/bunnies_generator.h"
 #include "scenes/city_generator.h"
 #include "scenes/exact_split.h"
+#include "scenes/forest_generator.h"
+#include "scenes/hollow_generators.h"
+#include "scenes/library_generator.h"
 #include "scenes/moving_generators.h"
 #include "scenes/parameters.h"
+#include "scenes/plant_generator.h"
 #include "scenes/scene_source.h"
+#include "scenes/teapots_generator.h"
+#include "scenes/vienna_generator.h"
 
 #include <fmt/format.h>
 
@@ -65,6 +72,116 @@ Result<SceneModel> make_boxcity(std::string_view source, std::string_view text,
         return *problem;
     }
     return generate_boxcity(city, options);
+}
+
+Result<SceneModel> make_teapots(std::string_view source, std::string_view text,
+                                const SceneOptions& options)
+{
+    TeapotsOptions teapots;
+    const std::array parameters{
+        Parameter{"count", &teapots.count, 1, 1000000},
+        Parameter{"triangles", &teapots.triangles, 64, 1000000},
+        Parameter{"seed", &teapots.seed, 0, kMostSeed},
+    };
+    if (const auto problem = parse_parameters(source, text, parameters)) {
+        return *problem;
+    }
+    return generate_teapots(teapots, options);
+}
+
+Result<SceneModel> make_library(std::string_view source, std::string_view text,
+                                const SceneOptions& options)
+{
+    LibraryOptions library;
+    const std::array parameters{
+        Parameter{"books", &library.books, 1, 1000000},
+        Parameter{"triangles", &library.triangles, 12, 2000},
+        Parameter{"seed", &library.seed, 0, kMostSeed},
+    };
+    if (const auto problem = parse_parameters(source, text, parameters)) {
+        return *problem;
+    }
+    return generate_library(library, options);
+}
+
+Result<SceneModel> make_plant(std::string_view source, std::string_view text,
+                              const SceneOptions& options)
+{
+    PlantOptions plant;
+    const std::array parameters{
+        Parameter{"triangles", &plant.triangles, 1000, 200000000},
+        Parameter{"objects", &plant.objects, 40, 20000},
+        Parameter{"seed", &plant.seed, 0, kMostSeed},
+    };
+    if (const auto problem = parse_parameters(source, text, parameters)) {
+        return *problem;
+    }
+    auto model = generate_plant(plant, options);
+    return model ? std::move(model)
+                 : Result<SceneModel>{bad_parameter(source, model.error().message)};
+}
+
+Result<SceneModel> make_forest(std::string_view source, std::string_view text,
+                               const SceneOptions& options)
+{
+    ForestOptions forest;
+    const std::array parameters{
+        Parameter{"triangles", &forest.triangles, 1000, 200000000},
+        Parameter{"trees", &forest.trees, 1, 1000000},
+        Parameter{"seed", &forest.seed, 0, kMostSeed},
+    };
+    if (const auto problem = parse_parameters(source, text, parameters)) {
+        return *problem;
+    }
+    return generate_forest(forest, options);
+}
+
+Result<SceneModel> make_bunnies(std::string_view source, std::string_view text,
+                                const SceneOptions& options)
+{
+    BunniesOptions bunnies;
+    const std::array parameters{
+        Parameter{"count", &bunnies.count, 1, 1000000},
+        Parameter{"triangles", &bunnies.triangles, 100, 1000000},
+        Parameter{"seed", &bunnies.seed, 0, kMostSeed},
+    };
+    if (const auto problem = parse_parameters(source, text, parameters)) {
+        return *problem;
+    }
+    return generate_bunnies(bunnies, options);
+}
+
+Result<SceneModel> make_vienna(std::string_view source, std::string_view text,
+                               const SceneOptions& options)
+{
+    ViennaOptions vienna;
+    const std::array parameters{
+        Parameter{"blocks", &vienna.blocks, 1, 64},
+        Parameter{"triangles", &vienna.triangles, 1000, 200000000},
+        Parameter{"seed", &vienna.seed, 0, kMostSeed},
+    };
+    if (const auto problem = parse_parameters(source, text, parameters)) {
+        return *problem;
+    }
+    auto model = generate_vienna(vienna, options);
+    return model ? std::move(model)
+                 : Result<SceneModel>{bad_parameter(source, model.error().message)};
+}
+
+template <SceneModel (*kGenerate)(const HollowOptions&, const SceneOptions&)>
+Result<SceneModel> make_hollow(std::string_view source, std::string_view text,
+                               const SceneOptions& options)
+{
+    HollowOptions hollow;
+    const std::array parameters{
+        Parameter{"count", &hollow.count, 1, 1000000},
+        Parameter{"triangles", &hollow.triangles, 4, 100000},
+        Parameter{"seed", &hollow.seed, 0, kMostSeed},
+    };
+    if (const auto problem = parse_parameters(source, text, parameters)) {
+        return *problem;
+    }
+    return kGenerate(hollow, options);
 }
 
 /// `count`, `seed` and `triangles` into an options struct of a scene that moves.
@@ -131,6 +248,37 @@ std::span<const Generator> registry()
              "a city in which every object is one box: buildings, and blocks and boxes beside "
              "and on them; triangles: of each"},
             make_boxcity},
+        Generator{{"teapots", "count=5000,triangles=2304,seed=1",
+                   "Utah teapots at random places in a cube, in all orientations; triangles: of "
+                   "each"},
+                  make_teapots},
+        Generator{{"library", "books=40k,triangles=254,seed=1",
+                   "rows of shelves without backs, full of books, with reading places; triangles: "
+                   "of each book"},
+                  make_library},
+        Generator{{"plant", "triangles=2m,objects=1185,seed=1",
+                   "an industrial plant: floors with boilers, tube bundles, pipe racks, tanks and "
+                   "stairs, and a yard"},
+                  make_plant},
+        Generator{{"bunnies", "count=300,triangles=70k,seed=1",
+                   "interpenetrating Stanford bunnies that move straight in a crowd; triangles: of "
+                   "each, at most"},
+                  make_bunnies},
+        Generator{{"forest", "triangles=1.7m,trees=1000,seed=1",
+                   "spruces and broad-leaved trees on rolling ground: leaky occluders"},
+                  make_forest},
+        Generator{{"pyramids", "count=1000,triangles=256,seed=1",
+                   "pyramids behind each other: objects whose boxes stand out where they do not; "
+                   "triangles: of each"},
+                  make_hollow<generate_pyramids>},
+        Generator{{"rings", "count=1000,triangles=256,seed=1",
+                   "thin rings behind each other: objects that fill little of their boxes; "
+                   "triangles: of each"},
+                  make_hollow<generate_rings>},
+        Generator{{"vienna", "blocks=16,triangles=8m,seed=1",
+                   "an old town: narrow, winding streets, courtyards, steep roofs with dormers; "
+                   "blocks: per side"},
+                  make_vienna},
     };
     return kGenerators;
 }

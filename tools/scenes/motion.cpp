@@ -35,12 +35,34 @@ glm::dquat repeated_turn(const glm::vec3& spin, size_t times)
     return result;
 }
 
+glm::mat4 on_keys(const std::vector<MotionKey>& keys, const glm::mat4& world_from_mesh,
+                  size_t frame)
+{
+    MotionKey at = frame <= keys.front().frame ? keys.front() : keys.back();
+    for (size_t i = 1; i < keys.size(); ++i) {
+        const MotionKey& from = keys[i - 1];
+        const MotionKey& to = keys[i];
+        if (frame >= from.frame && frame < to.frame) {
+            const float share =
+                static_cast<float>(frame - from.frame) / static_cast<float>(to.frame - from.frame);
+            at.position = glm::mix(from.position, to.position, share);
+            at.rotation = glm::slerp(from.rotation, to.rotation, share);
+        }
+    }
+    glm::mat4 result{glm::mat3_cast(at.rotation) * glm::mat3{world_from_mesh}};
+    result[3] = glm::vec4{at.position, 1.0f};
+    return result;
+}
+
 } // namespace
 
 glm::mat4 moved(const InstanceMotion& motion, const Aabb& box, const glm::mat4& world_from_mesh,
                 size_t frame)
 {
-    if (frame == 0) {
+    if (!motion.keys.empty()) {
+        return on_keys(motion.keys, world_from_mesh, frame);
+    }
+    if (frame == 0 || !motion.moves()) {
         return world_from_mesh;
     }
     const glm::dmat3 turn = glm::mat3_cast(repeated_turn(motion.spin, frame));
@@ -55,6 +77,9 @@ glm::mat4 moved(const InstanceMotion& motion, const Aabb& box, const glm::mat4& 
 
 bool exists(const InstanceMotion& motion, size_t frame)
 {
+    if (frame < motion.first_frame || frame > motion.last_frame) {
+        return false;
+    }
     return motion.period == 0 || (motion.phase + frame) % motion.period < motion.present;
 }
 

@@ -231,29 +231,34 @@ SceneModel generate_movers(const MoversOptions& options, const SceneOptions& sce
     return model;
 }
 
+void fill_crowd(SceneModel& model, uint64_t count, uint64_t seed, const std::string& name)
+{
+    constexpr float kSpacing = 1.2f; // metres between middles, of things 2 m across
+    uint64_t side = 1;
+    while (side * side * side < count) {
+        ++side;
+    }
+    const float half = 0.5f * kSpacing * static_cast<float>(side);
+    model.motion.box = {glm::vec3{-half}, glm::vec3{half}};
+    Rng rng(seed);
+    for (uint64_t i = 0; i < count; ++i) {
+        glm::mat4 world_from_mesh{1.0f};
+        world_from_mesh[3] = glm::vec4{random_point(rng, half), 1.0f};
+        model.instances.push_back(
+            {fmt::format("{} {}", name, i), 0, world_from_mesh, random_color(rng)});
+        model.motion.instances.push_back(random_motion(rng, 0.005f, 0.03f, 0.0f));
+    }
+    model.paths = {path_orbit(half), path_inside(half)};
+}
+
 SceneModel generate_blobs(const BlobsOptions& options, const SceneOptions& scene_options)
 {
-    constexpr float kSpacing = 1.2f; // metres between middles, of blobs 2 m across
     SceneModel model;
     model.name = fmt::format("blobs:count={},seed={},triangles={}", options.count, options.seed,
                              options.triangles);
     model.meshes.push_back(
         make_blob(options.seed, options.triangles, scene_options.item_triangles));
-    uint32_t side = 1;
-    while (uint64_t{side} * side * side < options.count) {
-        ++side;
-    }
-    const float half = 0.5f * kSpacing * static_cast<float>(side);
-    model.motion.box = {glm::vec3{-half}, glm::vec3{half}};
-    Rng rng(options.seed);
-    for (uint32_t i = 0; i < options.count; ++i) {
-        glm::mat4 world_from_mesh{1.0f};
-        world_from_mesh[3] = glm::vec4{random_point(rng, half), 1.0f};
-        model.instances.push_back(
-            {fmt::format("blob {}", i), 0, world_from_mesh, random_color(rng)});
-        model.motion.instances.push_back(random_motion(rng, 0.005f, 0.03f, 0.0f));
-    }
-    model.paths = {path_orbit(half), path_inside(half)};
+    fill_crowd(model, options.count, options.seed, "blob");
     return model;
 }
 

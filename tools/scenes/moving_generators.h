@@ -28,6 +28,11 @@ struct BlobsOptions {
 /// traditionally measured, with a generated mesh of as many triangles in the place of the bunny.
 SceneModel generate_blobs(const BlobsOptions& options, const SceneOptions& scene_options = {});
 
+/// Adds `count` instances of the model's only mesh, which lies within 1 m of the origin, called
+/// `name` and a number, on straight ways through the cube that holds them; and the paths "orbit" and
+/// "inside".
+void fill_crowd(SceneModel& model, uint64_t count, uint64_t seed, const std::string& name);
+
 /// A closed mesh of about `triangles` triangles (at least 12) within 1 m of the origin: a sphere
 /// with random bumps and two long ears.
 Mesh make_blob(uint64_t seed, uint64_t triangles, uint32_t item_triangles);

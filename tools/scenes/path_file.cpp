@@ -1,3 +1,4 @@
+#include "scenes/path_json.h"
 #include "scenes/paths.h"
 
 #include <fmt/format.h>
@@ -5,100 +6,16 @@
 
 #include <glm/geometric.hpp>
 
-#include <cmath>
-#include <filesystem>
 #include <fstream>
-#include <iterator>
-#include <optional>
 
 namespace occlude::tools {
 namespace {
 
 using nlohmann::json;
 
-Error bad_path(const std::string& file, const std::string& what)
-{
-    return {ErrorCode::bad_data, fmt::format("{}: {}", file, what)};
-}
+constexpr const char* kExample = "{\"eye\": [0,0,0], \"target\": [0,0,-1]}";
 
-/// Reads members of one entry, and keeps the first thing that was wrong.
-class Entry {
-public:
-    Entry(const json& value, std::string place)
-        : value_(value)
-        , place_(std::move(place))
-    {
-        if (!value_.is_object()) {
-            problem_ =
-                place_ + " must be an object such as {\"eye\": [0,0,0], \"target\": [0,0,-1]}";
-        }
-    }
-
-    bool has(const char* key) const { return value_.is_object() && value_.contains(key); }
-
-    void require(const char* key)
-    {
-        if (!has(key)) {
-            fail(fmt::format("{} has no \"{}\"", place_, key));
-        }
-    }
-
-    void read(const char* key, glm::vec3& out)
-    {
-        if (!has(key)) {
-            return;
-        }
-        const json& list = value_[key];
-        for (size_t i = 0; i < 3; ++i) {
-            const bool is_number = list.is_array() && list.size() == 3 && list[i].is_number();
-            const float number = is_number ? list[i].get<float>() : 0.0f;
-            if (!is_number || !std::isfinite(number)) {
-                fail(fmt::format("{}.{} must be three numbers, such as [1.0, 2.0, 3.0]", place_,
-                                 key));
-                return;
-            }
-            out[static_cast<int>(i)] = number;
-        }
-    }
-
-    void read(const char* key, float& out, float least, float most)
-    {
-        if (!has(key)) {
-            return;
-        }
-        const float number = value_[key].is_number() ? value_[key].get<float>() : NAN;
-        if (!(number >= least && number <= most)) {
-            fail(fmt::format("{}.{} must be a number from {} to {}", place_, key, least, most));
-            return;
-        }
-        out = number;
-    }
-
-    void read(const char* key, bool& out)
-    {
-        if (has(key) && !value_[key].is_boolean()) {
-            fail(fmt::format("{}.{} must be true or false", place_, key));
-        } else if (has(key)) {
-            out = value_[key].get<bool>();
-        }
-    }
-
-    void fail(std::string problem)
-    {
-        if (problem_.empty()) {
-            problem_ = std::move(problem);
-        }
-    }
-    const std::string& place() const { return place_; }
-    const std::string& problem() const { return problem_; }
-
-private:
-    const json& value_;
-    std::string place_;
-    std::string problem_;
-};
-
-Camera read_camera(Entry& entry)
+Camera read_camera(PathEntry& entry)
 {
     constexpr float kFarthest = 1e15f;
     Camera camera;
@@ -127,7 +44,7 @@ Result<std::vector<Camera>> read_frames(const std::string& file, const json& lis
 {
     std::vector<Camera> frames;
     for (size_t i = 0; i < list.size() && i < frame_count; ++i) {
-        Entry entry(list[i], fmt::format("frames[{}]", i));
+        PathEntry entry(list[i], fmt::format("frames[{}]", i), kExample);
         frames.push_back(read_camera(entry));
         if (!entry.problem().empty()) {
             return bad_path(file, entry.problem());
@@ -141,7 +58,7 @@ Result<std::vector<Camera>> read_keyframes(const std::string& file, const json& 
 {
     std::vector<Keyframe> keys;
     for (size_t i = 0; i < list.size(); ++i) {
-        Entry entry(list[i], fmt::format("keyframes[{}]", i));
+        PathEntry entry(list[i], fmt::format("keyframes[{}]", i), kExample);
         Keyframe key;
         key.camera = read_camera(entry);
         entry.require("time");
@@ -167,29 +84,13 @@ json to_json(const glm::vec3& v)
 
 Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame_count)
 {
-    std::error_code failed;
-    std::ifstream in(file, std::ios::binary);
-    if (!in || std::filesystem::is_directory(file, failed)) {
-        return Error{ErrorCode::not_found,
-                     fmt::format("{}: cannot be read; check the name and permissions", file)};
-    }
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    json root;
-    try {
-        root = json::parse(text);
-    } catch (const json::exception& error) {
-        return bad_path(file, fmt::format("is not JSON: {}", error.what()));
-    }
-    if (!root.is_object()) {
-        return bad_path(file, "must hold {\"version\": 1, \"frames\": [...]}");
-    }
-    const auto version = root.find("version");
-    if (version == root.end() || *version != 1) {
-        return bad_path(file, "\"version\" must be 1");
+    const auto root = read_path_json(file);
+    if (!root) {
+        return root.error();
     }
     for (const char* form : {"frames", "keyframes"}) {
-        const auto list = root.find(form);
-        if (list == root.end()) {
+        const auto list = root->find(form);
+        if (list == root->end()) {
             continue;
         }
         if (!list->is_array() || list->empty()) {

@@ -114,8 +114,10 @@ const SceneModel::NamedPath* find_named(const SceneModel& model, std::string_vie
 /// The walk that came with the scene or was found in it, or an empty list.
 std::vector<Keyframe> walk_keys(const SceneModel& model, size_t frame_count)
 {
-    if (const SceneModel::NamedPath* street = find_named(model, "street")) {
-        return paced(street->keys, model.unit, frame_count);
+    for (const char* name : {"street", "walk"}) {
+        if (const SceneModel::NamedPath* own = find_named(model, name)) {
+            return paced(own->keys, model.unit, frame_count);
+        }
     }
     return paced(find_walk(model), model.unit, frame_count);
 }
@@ -125,6 +127,10 @@ std::vector<Keyframe> auto_keys(const SceneModel& model, size_t frame_count)
     if (!model.motion.empty()) { // no floors: what stands anywhere now is elsewhere later
         const SceneModel::NamedPath* orbit = find_named(model, "orbit");
         return orbit != nullptr ? orbit->keys : orbit_keys(model);
+    }
+    if (!model.paths.empty() && find_named(model, "street") == nullptr &&
+        find_named(model, "walk") == nullptr) {
+        return model.paths.front().keys; // made for this scene, which has nowhere to walk
     }
     std::vector<Keyframe> keys = walk_keys(model, frame_count);
     return keys.empty() ? orbit_keys(model) : keys;
@@ -153,7 +159,7 @@ std::vector<Keyframe> keys_by_name(const std::string& name, const SceneModel& mo
                                    size_t frame_count)
 {
     if (const SceneModel::NamedPath* path = find_named(model, name)) {
-        return name == "street" ? walk_keys(model, frame_count) : path->keys;
+        return name == "street" || name == "walk" ? walk_keys(model, frame_count) : path->keys;
     }
     if (name == "auto") {
         return auto_keys(model, frame_count);
@@ -219,7 +225,7 @@ Result<std::vector<Camera>> load_path(const std::string& name, const SceneModel&
 std::vector<PathInfo> path_names(const SceneModel& model)
 {
     std::vector<PathInfo> infos{
-        {"auto", "a walk at human height where there are floors, else an orbit"},
+        {"auto", "the path made for the scene, else a walk where there are floors, else an orbit"},
         {"walk", "a walk at human height through free space"},
         {"orbit", "once around the whole scene"},
         {"overview", "standing still, looking down on the whole scene"},

@@ -6,6 +6,16 @@
 //   ...]}
 // or, interpolated smoothly, with times in seconds and optional cuts:
 //   {"version": 1, "keyframes": [{"time": 0, "eye": [...], "target": [...], "cut": false}, ...]}
+//
+// Either may also say how objects of the scene move. Places and turns count from frame to frame of
+// the path; "position" is where the object's origin is, in world space, and "rotation" how far it is
+// turned from how it stands in the scene, about an axis, in degrees; both stay as in the scene, or as
+// in the entry before, if they are not given:
+//   {"version": 1, "frames": [...], "movers": [
+//     {"object": "gate", "visible": {"from": 0, "to": 99}, "keyframes": [
+//       {"frame": 0, "position": [0,0,0]},
+//       {"frame": 50, "position": [0,4,0], "rotation": {"axis": [0,1,0], "degrees": 90}}]}]}
+// "object" is a name, or an index from 0; "visible" and "keyframes" may each be left away.
 #pragma once
 
 #include "scenes/scene_source.h"
@@ -17,6 +27,11 @@ namespace occlude::tools {
 /// Reads a path file. Frames come as they are, but at most `frame_count` of them; keyframes are
 /// interpolated to `frame_count` frames. Errors name the file, the entry and what it must hold.
 Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame_count);
+
+/// Takes over the "movers" of a path file, if it has any: model.motion then says something of every
+/// instance, and the motion that came with the scene stays for those that the file does not name.
+/// The value is the number of movers. Errors name the file, the entry and what it must hold.
+Result<size_t> read_movers(const std::string& file, SceneModel& model);
 
 /// Writes cameras as a path file in the frames form. The value is the number of frames.
 Result<size_t> write_path_file(const std::string& file, std::span<const Camera> cameras);

@@ -8,7 +8,8 @@
 namespace occlude::tools {
 
 // The space in which an instance turns and bounces: the box of the origins and its reach from there.
-static Aabb moving_bounds(const SceneModel& model, const Instance& instance)
+static Aabb moving_bounds(const SceneModel& model, const Instance& instance,
+                          const InstanceMotion& motion)
 {
     float reach = 0.0f;
     for (const MeshPart& part : model.meshes[instance.mesh].parts) {
@@ -16,15 +17,20 @@ static Aabb moving_bounds(const SceneModel& model, const Instance& instance)
         reach = std::max(reach, glm::length(glm::max(glm::abs(turned.min), glm::abs(turned.max))));
     }
     const glm::vec3 origin{instance.world_from_mesh[3]};
-    return inflated(merge(model.motion.box, {origin, origin}), reach);
+    Aabb origins = merge(model.motion.box, {origin, origin});
+    for (const MotionKey& key : motion.keys) {
+        origins = merge(origins, {key.position, key.position});
+    }
+    return inflated(origins, reach);
 }
 
 Aabb world_bounds(const SceneModel& model)
 {
     Aabb bounds;
-    for (const Instance& instance : model.instances) {
-        if (!model.motion.empty()) {
-            bounds = merge(bounds, moving_bounds(model, instance));
+    for (size_t i = 0; i < model.instances.size(); ++i) {
+        const Instance& instance = model.instances[i];
+        if (!model.motion.empty() && model.motion.instances[i].moves()) {
+            bounds = merge(bounds, moving_bounds(model, instance, model.motion.instances[i]));
         }
         for (const MeshPart& part : model.meshes[instance.mesh].parts) {
             bounds = merge(bounds, transformed(instance.world_from_mesh, part.box));
