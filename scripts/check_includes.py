@@ -27,6 +27,7 @@ ALLOWED = {
 
 # Third-party includes that the sources and the detail/ headers of a room may use beside GLM.
 THIRD_PARTY = {
+    "core": ("hwy/",),
     "hierarchy": ("tbb/", "oneapi/tbb/"),
     "scene": ("tbb/", "oneapi/tbb/"),
     "backends/gl": ("epoxy/", "EGL/", "KHR/"),

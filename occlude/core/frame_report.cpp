@@ -1,5 +1,7 @@
 #include <occlude/core/frame_report.h>
 
+#include <cstdio>
+
 namespace occlude {
 
 std::string to_string(const Guarantee& guarantee)
@@ -36,6 +38,59 @@ FrameCounters& FrameCounters::operator+=(const FrameCounters& other)
     pixels_read += other.pixels_read;
     cells_asked += other.cells_asked;
     return *this;
+}
+
+const char* name(FramePlan::Kind kind)
+{
+    switch (kind) {
+    case FramePlan::Kind::draw_all:
+        return "draw_all";
+    case FramePlan::Kind::queries:
+        return "queries";
+    case FramePlan::Kind::raster:
+        return "raster";
+    case FramePlan::Kind::pyramid:
+        return "pyramid";
+    case FramePlan::Kind::fixed:
+        break;
+    }
+    return "fixed";
+}
+
+static const char* sentence(FramePlan::Reason reason)
+{
+    switch (reason) {
+    case FramePlan::Reason::first_look:
+        return "first look";
+    case FramePlan::Reason::saves:
+        return "pays";
+    case FramePlan::Reason::saves_too_little:
+        return "tests would not pay";
+    case FramePlan::Reason::probe:
+        return "tests did not pay, looked again";
+    case FramePlan::Reason::no_tests:
+        return "the device cannot test";
+    case FramePlan::Reason::chosen:
+        return "as the option says";
+    case FramePlan::Reason::none:
+        break;
+    }
+    return "";
+}
+
+std::string to_string(const FramePlan& plan)
+{
+    if (plan.kind == FramePlan::Kind::fixed) {
+        return {};
+    }
+    constexpr float kUsPerMs = 1000.0f;
+    char text[160];
+    const int length = std::snprintf(
+        text, sizeof text, "%s (%s): hides %.2f ms of drawing at %.2f ms, draws %.2f ms",
+        name(plan.kind), sentence(plan.reason), static_cast<double>(plan.saved_us / kUsPerMs),
+        static_cast<double>(plan.spent_us / kUsPerMs),
+        static_cast<double>(plan.drawn_us / kUsPerMs));
+    return {text, static_cast<size_t>(length)};
 }
 
 } // namespace occlude

@@ -73,9 +73,44 @@ void for_each_counter(Counters& c, Visit&& visit)
     visit("cells_asked", c.cells_asked);
 }
 
+/// How an algorithm that chooses anew for each frame went about this one, and why. The times are its
+/// own estimates, in microseconds.
+struct FramePlan {
+    enum class Kind : uint8_t {
+        fixed,    ///< the algorithm does not choose
+        draw_all, ///< frustum culling only
+        queries,  ///< tested by occlusion queries
+        raster,   ///< tested by boxes rasterised into flags
+        pyramid,  ///< tested on the CPU against depth that was read back
+    };
+    enum class Reason : uint8_t {
+        none,
+        first_look,       ///< nothing is known yet: draws near to far and tests what is behind
+        saves,            ///< what tests find hidden costs more to draw than to test
+        saves_too_little, ///< it does not
+        probe,            ///< it did not: looked again at the end of the frame
+        no_tests,         ///< the device cannot test
+        chosen,           ///< an option says so
+    };
+    Kind kind = Kind::fixed;
+    Reason reason = Reason::none;
+    float drawn_us = 0.0f; ///< drawing what was drawn
+    float saved_us = 0.0f; ///< drawing what was found hidden
+    float spent_us = 0.0f; ///< testing
+
+    bool operator==(const FramePlan&) const = default;
+};
+
+/// One line: "pyramid (pays): hides 12.30 ms of drawing at 0.61 ms, draws 2.90 ms". Empty for a
+/// fixed plan.
+std::string to_string(const FramePlan& plan);
+/// "draw_all", "queries", ...: one word.
+const char* name(FramePlan::Kind kind);
+
 struct FrameReport {
     uint64_t frame = 0; ///< counts the cull() calls of this culler since it was made or reset
     Guarantee guarantee;
+    FramePlan plan;
     FrameCounters counters;
 };
 

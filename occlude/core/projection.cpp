@@ -56,58 +56,6 @@ ScreenPoint to_screen(glm::dvec4 c, glm::dvec4 slop, ClipConvention convention)
     return {p, (glm::dvec3{slop} + glm::abs(p) * slop.w) / (c.w - slop.w), true};
 }
 
-// The x, y and window depth of all corners, smallest and largest, with the rounding of a device.
-struct CornerRange {
-    glm::dvec3 low{std::numeric_limits<double>::infinity()};
-    glm::dvec3 high{-std::numeric_limits<double>::infinity()};
-    bool before_eye = true; // all corners are beyond the near plane, with w > 0
-};
-
-CornerRange project_corners(const View& view, const Aabb& box)
-{
-    const glm::dmat4 clip{view.clip_from_world()};
-    const glm::dvec4 low_corner = clip * glm::dvec4{glm::dvec3{box.min}, 1.0};
-    const glm::dvec3 extent = glm::dvec3{box.max} - glm::dvec3{box.min};
-    const glm::dvec4 slop =
-        clip_slop(clip, glm::max(glm::abs(glm::dvec3{box.min}), glm::abs(glm::dvec3{box.max})));
-
-    CornerRange range;
-    for (int k = 0; k < 8; ++k) {
-        glm::dvec4 c = low_corner;
-        for (int axis = 0; axis < 3; ++axis) {
-            if ((k >> axis & 1) != 0) {
-                c += clip[axis] * extent[axis];
-            }
-        }
-        const ScreenPoint p = to_screen(c, slop, view.convention());
-        if (!p.before_eye) {
-            range.before_eye = false;
-            return range;
-        }
-        range.low = glm::min(range.low, p.at - p.error);
-        range.high = glm::max(range.high, p.at + p.error);
-    }
-    return range;
-}
-
-// First and one past last pixel along one axis, from normalised device coordinates.
-glm::ivec2 pixel_range(double low, double high, int size)
-{
-    const double first = std::floor((0.5 * low + 0.5) * size);
-    const double end = std::ceil((0.5 * high + 0.5) * size);
-    const double limit = size;
-    return {static_cast<int>(std::clamp(first, 0.0, limit)),
-            static_cast<int>(std::clamp(end, 0.0, limit))};
-}
-
-ScreenBounds everywhere(const View& view)
-{
-    const glm::ivec2 size = glm::max(view.size_px(), glm::ivec2{0});
-    ScreenBounds bounds;
-    bounds.rect = {0, 0, size.x, size.y};
-    return bounds;
-}
-
 // Where normalised x, y at window depth `depth` is in the world; NaN if it is not before the eye.
 glm::dvec3 unproject(const glm::dmat4& world_from_clip, const View& view, double x, double y,
                      double depth)
@@ -149,34 +97,6 @@ double farthest_if_covering(const View& view, const glm::mat4& world_from_unit,
 }
 
 } // namespace
-
-ScreenBounds project(const View& view, const Aabb& box)
-{
-    if (box.is_empty()) {
-        return {PixelRect{}, 1.0f, 1.0f, true};
-    }
-    const Aabb grown = view.inflated_for_test(box);
-    if (view.touches_near(grown)) {
-        return everywhere(view);
-    }
-    const CornerRange range = project_corners(view, grown);
-    if (!range.before_eye) {
-        return everywhere(view);
-    }
-    // Depth is a linear fraction of position with a positive denominator, so its extremes over the
-    // box are at corners, and so are those of x and y.
-    constexpr double kMargin = ScreenBounds::kDepthMargin;
-    ScreenBounds bounds;
-    bounds.valid = true;
-    bounds.near_depth = static_cast<float>(std::clamp(range.low.z - kMargin, 0.0, 1.0));
-    bounds.far_depth = static_cast<float>(std::clamp(range.high.z + kMargin, 0.0, 1.0));
-    const glm::ivec2 x = pixel_range(range.low.x, range.high.x, view.size_px().x);
-    const glm::ivec2 y = pixel_range(range.low.y, range.high.y, view.size_px().y);
-    if (x[0] < x[1] && y[0] < y[1]) {
-        bounds.rect = {x[0], y[0], x[1] - x[0], y[1] - y[0]};
-    }
-    return bounds;
-}
 
 std::optional<glm::mat4> world_from_rectangle(const View& view, const PixelRect& rect, float depth)
 {

@@ -4,12 +4,14 @@
 #pragma once
 
 #include <occlude/core/aabb.h>
+#include <occlude/core/kernel.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/view.h>
 
 #include <glm/mat4x4.hpp>
 
 #include <optional>
+#include <span>
 
 namespace occlude {
 
@@ -33,8 +35,14 @@ struct ScreenBounds {
 /// depth from near_depth to far_depth. Hence: if near_depth is greater than the farthest depth read
 /// back in all of `rect`, then nothing in the box is visible. Invalid under rule R1, and for boxes
 /// that reach behind the near plane anywhere, seen or not. An empty box gives a valid, empty rect.
-/// About 0.1 us.
+/// About 0.1 us, half of it for the view: many boxes are cheaper at once.
 ScreenBounds project(const View& view, const Aabb& box);
+
+/// Writes project(view, boxes[i]) to bounds[i], to the bit, with either kernel.
+/// Precondition: bounds.size() == boxes.size(). With vectors of 16 lanes about
+/// 8 ns per box, one after the other 50 ns.
+void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<ScreenBounds> bounds,
+                   Kernel kernel = Kernel::simd);
 
 /// The affine map from the unit square (0..1, 0..1, 0) to a rectangle in the world that faces the
 /// camera: on the screen it covers every sample of the pixels in `rect` (and no centre of another

@@ -66,9 +66,13 @@ struct DeviceCaps {
     bool exact_counts = true;       ///< sample counts; otherwise only zero or non-zero
     bool draw_and_query = false;    ///< the verb of that name works
     bool read_depth = false;        ///< the verb of that name works
+    /// The target of this frame has one sample per pixel, in the middle. Otherwise samples are taken
+    /// to be anywhere in their pixel.
+    bool samples_at_pixel_centers = false;
     uint32_t max_outstanding = 4096;
     std::vector<TestCost> methods = {}; ///< the test methods there are, the default first
     float us_per_triangle = 0.15f;
+    float us_per_item = 4.0f; ///< of a draw, besides its triangles
 };
 
 /// One box of a test. The box is in the space of `world_from_box`, or in world space if that is

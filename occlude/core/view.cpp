@@ -14,11 +14,6 @@ namespace {
 // Boxes grow by this share of a pixel: rasterisers snap vertices to 1/256 px, and the box and what
 // is in it are snapped apart. Four snaps wide.
 constexpr float kInflatePixels = 1.0f / 64.0f;
-// ... and by this share of their diagonal, for boxes whose own size dwarfs a pixel's.
-constexpr float kInflateDiagonal = 1e-5f;
-// ... and by this many ulps of their largest coordinate, for scenes far from the origin.
-constexpr float kInflateUlps = 8.0f * 0x1p-23f;
-
 bool all_finite(const glm::dmat4& m)
 {
     for (int c = 0; c < 4; ++c) {
@@ -94,9 +89,9 @@ View View::from_clip(const glm::mat4& clip_from_world, glm::ivec2 size_px,
         return view; // degenerate: the frustum culls nothing, and every box touches the near plane
     }
     const glm::dmat4 rows = glm::transpose(clip);
-    view.pixel_per_w_ = static_cast<float>(largest_pixel_per_w(rows[0], rows[1], rows[3], size_px));
-    if (!std::isfinite(view.pixel_per_w_)) {
-        view.pixel_per_w_ = 0.0f;
+    const auto pixel_per_w =
+        static_cast<float>(largest_pixel_per_w(rows[0], rows[1], rows[3], size_px));
+    if (!std::isfinite(pixel_per_w)) {
         return view; // nearly singular
     }
     view.orthographic_ = glm::length(glm::dvec3{rows[3]}) <= 1e-12 * std::abs(rows[3].w);
@@ -116,6 +111,9 @@ View View::from_clip(const glm::mat4& clip_from_world, glm::ivec2 size_px,
         }
     }
     view.frustum_ = Frustum::from_clip(clip_from_world, convention);
+    view.inflation_.per_w = kInflatePixels * pixel_per_w;
+    view.inflation_.row_w = glm::vec4{rows[3]};
+    view.inflation_.reach = glm::length(view.eye_);
     view.degenerate_ = false;
     return view;
 }
@@ -155,21 +153,7 @@ bool View::touches_near(const Aabb& box) const
 
 Aabb View::inflated_for_test(const Aabb& box) const
 {
-    if (!box.is_bounded()) {
-        return box;
-    }
-    const float pixels = degenerate_ ? 0.0f : kInflatePixels * pixel_per_w_;
-    const glm::vec4 row_w{clip_from_world_[0][3], clip_from_world_[1][3], clip_from_world_[2][3],
-                          clip_from_world_[3][3]};
-    const glm::vec3 half = 0.5f * box.extent();
-    const glm::vec3 toward_w{row_w};
-    const float largest_w =
-        glm::dot(toward_w, box.center()) + row_w.w + glm::dot(glm::abs(toward_w), half);
-    const glm::vec3 magnitude = glm::max(glm::abs(box.min), glm::abs(box.max));
-    const float coordinate = std::max({magnitude.x, magnitude.y, magnitude.z, glm::length(eye_)});
-    const float margin = (pixels > 0.0f ? pixels * std::max(largest_w, 0.0f) : 0.0f) +
-                         kInflateDiagonal * glm::length(box.extent()) + kInflateUlps * coordinate;
-    return inflated(box, margin);
+    return box.is_bounded() ? inflated(box, inflation_.margin(box)) : box;
 }
 
 } // namespace occlude

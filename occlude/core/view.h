@@ -4,10 +4,37 @@
 #include <occlude/core/aabb.h>
 #include <occlude/core/frustum.h>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+
+#include <algorithm>
 
 namespace occlude {
+
+/// How much a box must grow before it is tested (rule R2), by its size and place. Part of a View.
+struct Inflation {
+    float per_w = 0.0f;              ///< 1/64 pixel at clip w = 1, in world units
+    float per_diagonal = 1e-5f;      ///< for boxes whose own size dwarfs a pixel's
+    float per_coordinate = 0x1p-20f; ///< eight ulps of the largest coordinate, or of ...
+    float reach = 0.0f;              ///< ... the distance of the eye from the origin
+    glm::vec4 row_w{0.0f};           ///< clip w of a point is dot(row_w, (point, 1))
+
+    /// In world units, for every direction. Precondition: `box` is bounded.
+    float margin(const Aabb& box) const
+    {
+        const glm::vec3 toward_w{row_w};
+        const glm::vec3 half = 0.5f * box.extent();
+        const float largest_w =
+            glm::dot(toward_w, box.center()) + row_w.w + glm::dot(glm::abs(toward_w), half);
+        const glm::vec3 magnitude = glm::max(glm::abs(box.min), glm::abs(box.max));
+        const float coordinate = std::max({magnitude.x, magnitude.y, magnitude.z, reach});
+        return per_w * std::max(largest_w, 0.0f) + per_diagonal * glm::length(box.extent()) +
+               per_coordinate * coordinate;
+    }
+};
 
 class View {
 public:
@@ -49,6 +76,7 @@ public:
     /// although the two come through different vertex streams (rule R2), and a flat box has some
     /// thickness. Always contains `box`; boxes that are not bounded stay what they are.
     Aabb inflated_for_test(const Aabb& box) const;
+    const Inflation& inflation() const { return inflation_; }
 
 private:
     glm::mat4 clip_from_world_{1.0f};
@@ -57,8 +85,8 @@ private:
     Frustum frustum_;
     glm::vec3 eye_{0.0f};
     float near_reach_ =
-        Aabb::kInfinity;       ///< from the eye to the farthest corner of the near rectangle
-    float pixel_per_w_ = 0.0f; ///< world size of the largest pixel at clip w = 1
+        Aabb::kInfinity; ///< from the eye to the farthest corner of the near rectangle
+    Inflation inflation_;
     bool orthographic_ = false;
     bool degenerate_ = true;
 };

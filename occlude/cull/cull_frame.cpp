@@ -201,12 +201,12 @@ Ticket CullFrame::draw_and_query(NodeId leaf, PlaneMask mask, Decision decision)
     return ticket;
 }
 
-void CullFrame::query(const TestBatch& batch, std::vector<Ticket>& tickets)
+void CullFrame::query(const TestBatch& batch, std::vector<Ticket>& tickets, TestMethod method)
 {
     OCCLUDE_ASSERT(!batch.empty(), "a batch has at least one test");
     enter_state(true);
     tickets.resize(batch.test_count());
-    device_.query({batch.boxes(), batch.test_ends(), TestMethod::automatic}, tickets);
+    device_.query({batch.boxes(), batch.test_ends(), method}, tickets);
     ++report_.counters.batches;
     report_.counters.queries += batch.test_count();
     report_.counters.boxes += batch.boxes().size();

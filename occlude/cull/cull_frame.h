@@ -63,6 +63,9 @@ public:
     /// Counts from 1 since the last reset, so that 0 can mean "never".
     uint32_t stamp() const { return static_cast<uint32_t>(report_.frame) + 1; }
     FrameCounters& counters() { return report_.counters; }
+    const FrameCounters& counters() const { return report_.counters; }
+    /// For algorithms that choose how to go about a frame.
+    FramePlan& plan() { return report_.plan; }
 
     // --- looking ---
 
@@ -92,9 +95,19 @@ public:
     void draw_items(std::span<const ItemId> items, uint64_t triangles);
 
     uint64_t queued_triangles() const { return queued_triangles_; }
+    size_t queued_items() const { return drawn_.size() - flushed_; }
 
     /// Hands the render queue to the device as one batch; nothing if it is empty.
     void flush_draws();
+
+    /// ... and has it begin, so that it works while the algorithm does.
+    void start_draws()
+    {
+        if (queued_items() > 0) {
+            flush_draws();
+            device_.flush();
+        }
+    }
 
     /// True if the device can draw_and_query() and all of the leaf is drawn then: none of its items
     /// is set aside by a flag.
@@ -110,7 +123,8 @@ public:
     // --- testing ---
 
     /// Issues the collected tests as one batch and writes their tickets; starts them at once.
-    void query(const TestBatch& batch, std::vector<Ticket>& tickets);
+    void query(const TestBatch& batch, std::vector<Ticket>& tickets,
+               TestMethod method = TestMethod::automatic);
     /// Tests one node's box.
     Ticket query(NodeId node);
 
@@ -121,7 +135,11 @@ public:
     bool read_depth(const PixelRect& rect, std::span<float> out);
 
     /// Logs a decision that draws nothing: the node was found hidden.
-    void decide(NodeId node, Decision decision) { culler_.decisions_.add(node, decision); }
+    void decide(NodeId node, Decision decision,
+                DecisionLog::Scope scope = DecisionLog::Scope::subtree)
+    {
+        culler_.decisions_.add(node, decision, scope);
+    }
 
     /// ... of one item of node `owner`, by its place in Hierarchy::items().
     void decide_item(NodeId owner, uint32_t place, Decision decision)

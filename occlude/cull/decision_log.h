@@ -31,6 +31,10 @@ constexpr bool is_drawn(Decision decision)
     return decision >= Decision::drawn;
 }
 
+/// The hash of a walk with one more frame: hashes of frames (DecisionLog::hash) are taken in their
+/// order, beginning with 0.
+uint64_t walk_hash(uint64_t walk_so_far, uint64_t next_frame);
+
 class DecisionLog {
 public:
     /// What of a node a decision speaks for.

@@ -7,9 +7,7 @@
 #pragma once
 
 #include <occlude/cull/culler.h>
-
-#include <utility>
-#include <vector>
+#include <occlude/cull/frustum_walk.h>
 
 namespace occlude {
 
@@ -18,16 +16,10 @@ public:
     using Culler::Culler;
 
 private:
-    struct Pending {
-        NodeId node;
-        PlaneMask mask;
-    };
-
-    void cull_frame(CullFrame& frame) override;
+    void cull_frame(CullFrame& frame) override { walk_.draw_all(frame); }
     void reset_state() override {}
 
-    std::vector<Pending> stack_;
-    std::vector<std::pair<float, NodeId>> children_;
+    FrustumWalk walk_;
 };
 
 } // namespace occlude

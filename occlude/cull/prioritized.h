@@ -23,11 +23,11 @@
 #pragma once
 
 #include <occlude/cull/cell_grid.h>
+#include <occlude/cull/clock.h>
 #include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace occlude {
@@ -53,7 +53,7 @@ public:
     /// time to draw only where the device draws at once or the clock asks it. Never asked without a
     /// time budget.
     explicit Prioritized(const Hierarchy& hierarchy, PrioritizedOptions options = {},
-                         std::function<double()> clock = {})
+                         SecondsClock clock = {})
         : Culler(hierarchy)
         , options_(options)
         , clock_(std::move(clock))
@@ -94,7 +94,7 @@ private:
     void note_hidden(CullFrame& frame);
 
     PrioritizedOptions options_;
-    std::function<double()> clock_;
+    SecondsClock clock_;
     CellGrid grid_;
     std::vector<uint32_t> cell_at_;    ///< per index in the lattice: the occupied cell, or kNone
     std::vector<double> solidity_;     ///< per index in the lattice: the least found so far

@@ -1,5 +1,6 @@
 #include <occlude/cull/registry.h>
 
+#include <occlude/cull/adaptive.h>
 #include <occlude/cull/batch_and_wait.h>
 #include <occlude/cull/chc.h>
 #include <occlude/cull/chc_plus_plus.h>
@@ -15,6 +16,8 @@
 #include <occlude/cull/uniform_grid.h>
 #include <occlude/hierarchy/hierarchy_kinds.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <concepts>
 #include <limits>
@@ -143,6 +146,11 @@ bool wants_clock(const PrioritizedOptions& options)
     return options.budget_time > 0.0;
 }
 
+bool wants_clock(const AdaptiveOptions& options)
+{
+    return options.measure;
+}
+
 bool wants_clock(const StatisticalOptions& options)
 {
     return options.time == StatisticalOptions::Time::clock;
@@ -198,6 +206,7 @@ AlgorithmInfo describe(std::string name, std::string paper, std::string summary,
             std::move(paper),
             std::move(summary),
             true,
+            true,
             needs,
             suitable_hierarchies(tree),
             describe_options<Options>(),
@@ -252,10 +261,21 @@ std::vector<AlgorithmInfo> make_table()
         "draws objects by the answers of the last frame: never stalls, pops for a frame", tests,
         Tree::leaves));
     table.back().exact = false;
+    table.push_back(describe<Adaptive, AdaptiveOptions>(
+        "adaptive", "Guthe, Balazs, Klein 2006, with measured costs",
+        "measures what drawing and testing cost, and tests only what pays: never slower than "
+        "frustum",
+        {}));
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(describe<Ideal>("ideal", "comparison", "draws the items that own a pixel",
                                     answer, Tree::no_use_of));
+    const std::array<std::string_view, 5> forgetful = {"frustum", "stop_and_wait", "lazy_grid",
+                                                       "opt", "ideal"};
+    for (AlgorithmInfo& info : table) {
+        info.remembers =
+            std::find(forgetful.begin(), forgetful.end(), info.name) == forgetful.end();
+    }
     return table;
 }
 

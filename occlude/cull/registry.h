@@ -3,9 +3,9 @@
 #pragma once
 
 #include <occlude/core/result.h>
+#include <occlude/cull/clock.h>
 #include <occlude/cull/culler.h>
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -30,14 +30,12 @@ struct Needs {
 
 using OptionValue = std::pair<std::string, std::string>;
 
-/// Seconds since some fixed moment; never goes back.
-using SecondsClock = std::function<double()>;
-
 struct AlgorithmInfo {
     std::string name;
     std::string paper; ///< who published it, or "baseline"
     std::string summary;
-    bool exact = true; ///< with its default options
+    bool exact = true;     ///< with its default options
+    bool remembers = true; ///< what it saw in a frame changes what it does in later ones
     Needs needs;
     /// The kinds of hierarchies that suit it (hierarchy_kinds.h), in their order; on the others it
     /// is right, but not what it could be. Empty: it makes no use of nodes, and all kinds are alike.
@@ -54,8 +52,8 @@ std::span<const AlgorithmInfo> algorithms();
 const AlgorithmInfo* find_algorithm(std::string_view name);
 
 /// A culler by name. `clock` is for options that count in time (`prioritized.budget_time`,
-/// `statistical.time`); it is not asked unless one of them is set, so that runs repeat, and without
-/// it they do nothing. Errors name the unknown algorithm or option and list what there is.
+/// `statistical.time`) and for `adaptive`, which measures by it; it is not asked otherwise, so that
+/// runs repeat, and without it they do nothing. Errors name the unknown algorithm or option and list what there is.
 Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
                                             std::span<const OptionValue> options = {},
                                             SecondsClock clock = {});

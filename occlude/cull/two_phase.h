@@ -19,8 +19,8 @@
 //             hidden: everything in the frustum is drawn, in one batch, still exact.
 #pragma once
 
+#include <occlude/core/depth_pyramid.h>
 #include <occlude/cull/culler.h>
-#include <occlude/cull/depth_pyramid.h>
 
 #include <cstdint>
 #include <utility>

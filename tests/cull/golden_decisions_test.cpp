@@ -7,7 +7,6 @@
 #include "support/visibility_script.h"
 #include "support/walks.h"
 
-#include <occlude/core/rng.h>
 #include <occlude/device/scripted_device.h>
 
 #include <gtest/gtest.h>
@@ -26,7 +25,7 @@ uint64_t decisions_of(const std::string& algorithm, const Hierarchy& tree)
     uint64_t hash = 0;
     for (; frame < 48; ++frame) {
         (*culler)->cull(test::rough_walk(frame), device);
-        hash = hash64(hash, (*culler)->decisions().hash(tree, frame));
+        hash = walk_hash(hash, (*culler)->decisions().hash(tree, frame));
     }
     return hash;
 }

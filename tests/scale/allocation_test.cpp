@@ -30,6 +30,8 @@ __attribute__((noinline)) void* operator new(size_t size)
     }
     throw std::bad_alloc{};
 }
+// GCC 12 sees malloc and operator delete, and not that this one is its counterpart.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 void operator delete(void* memory) noexcept
 {
     live_bytes -= memory != nullptr ? malloc_usable_size(memory) : 0;

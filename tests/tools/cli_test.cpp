@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -138,6 +139,22 @@ TEST(Cli, SettingsMustReachAnAlgorithmThatTakesPart)
     expect_refused({"bench", scene, "--set", "chc.no_such=1"}, {"no_such", "chc"});
     expect_refused({"bench", scene, "--algorithms", "frustum", "--set", "chc.threshold=1"},
                    {"chc does not take part"});
+}
+
+TEST(Cli, AnAlgorithmRunsSeveralTimesWithOptionsOfItsOwn)
+{
+    const std::string json = write_file("variants.json", "").string();
+    const Outcome outcome = run(small({"bench", scene_file(), "--frames", "3", "--json", json,
+                                       "--algorithms", "lazy_grid:update=busy,chc,lazy_grid"}));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    std::ifstream file{json};
+    const nlohmann::json runs = nlohmann::json::parse(file)["runs"];
+    std::map<std::string, double> asked;
+    for (const auto& each : runs) {
+        asked[each["algorithm"]] = each["per_frame"]["cells_asked"];
+    }
+    ASSERT_TRUE(asked.contains("lazy_grid:update=busy"));
+    EXPECT_GT(asked["lazy_grid:update=busy"], asked["lazy_grid"]);
 }
 
 TEST(Cli, MissingBrokenAndEmptyScenesAreNamed)

@@ -88,6 +88,24 @@ TEST(CompareWithReferences, FormsRatiosPerFrameBeforeAnythingIsSummedUp)
     EXPECT_DOUBLE_EQ(summarise(runs[0]).speedup_vs_frustum, 1.0);
 }
 
+TEST(TimingDevice, CountsPollsAndChargesReadBacks)
+{
+    TinyStage tiny{wall_model()};
+    double now = 0.0;
+    TimingDevice device{tiny.renderer->device(), [&] { return now += 1.0; }};
+    device.begin_frame(look_along_z());
+    std::vector<float> depth(4);
+    EXPECT_TRUE(device.read_depth({0, 0, 2, 2}, depth));
+    EXPECT_EQ(device.polls(), 0u);
+    device.poll(Ticket{});
+    EXPECT_EQ(device.polls(), 1u);
+    device.end_frame();
+    EXPECT_DOUBLE_EQ(device.read_seconds(), 1.0);
+    device.restart();
+    EXPECT_EQ(device.polls(), 0u);
+    EXPECT_DOUBLE_EQ(device.read_seconds(), 0.0);
+}
+
 TEST(CompareWithReferences, TheFastestFrustumIsToBeatAndTheOptOfTheSameTree)
 {
     std::vector<AlgorithmRun> runs;
@@ -269,6 +287,59 @@ TEST(Measure, TwoMeasurementsMakeTheSameDecisions)
         EXPECT_EQ(summarise((*first)[i]).decision_hash, summarise((*second)[i]).decision_hash)
             << (*first)[i].algorithm;
     }
+}
+
+TEST(Measure, SampledFramesAreWhatTheyAreOnTheWholeWalk)
+{
+    TinyStage tiny{wall_model()};
+    const std::vector<View> views = small_walk();
+    std::vector<Contender> contenders = all_registered();
+    for (Contender& contender : contenders) {
+        contender.remembers = find_algorithm(contender.name)->remembers;
+    }
+    const auto whole = measure(tiny.stage(), contenders, views);
+    const auto sampled = measure(tiny.stage(), contenders, views, {.sample_every = 3});
+    ASSERT_TRUE(whole && sampled);
+    for (size_t i = 0; i < whole->size(); ++i) {
+        const AlgorithmRun& run = (*sampled)[i];
+        ASSERT_EQ(run.frames.size(), 2u); // the last of each three: frames 2 and 5 of 0 to 7
+        for (const FrameFigures& figures : run.frames) {
+            EXPECT_EQ(figures.frame % 3, 2u);
+            const FrameFigures& same = (*whole)[i].frames[figures.frame];
+            EXPECT_EQ(figures.decision_hash, same.decision_hash) << run.algorithm;
+            EXPECT_EQ(figures.counters, same.counters) << run.algorithm;
+        }
+    }
+}
+
+TEST(Measure, FramesBetweenSamplesAreCulledOnlyByThoseWhoRemember)
+{
+    TinyStage tiny{wall_model()};
+    std::string notes;
+    std::vector<Contender> contenders = {noting('m', notes), noting('f', notes)};
+    contenders[1].remembers = false;
+    const std::vector<View> views(4, look_along_z());
+    ASSERT_TRUE(measure(tiny.stage(), contenders, views, {.sample_every = 2}));
+    const std::string timed = "||"
+                              "mmfmfm"; // m alone, m f, m alone, f m: the order rotates
+    EXPECT_EQ(notes.substr(notes.size() - timed.size()), timed);
+}
+
+TEST(Measure, ComparesTheImagesOfSomeMeasuredFrames)
+{
+    TinyStage tiny{wall_model()};
+    const std::vector<Contender> contenders = {registered("frustum"), registered("chc"),
+                                               registered("next_frame")};
+    const auto runs = measure(tiny.stage(), contenders, small_walk(), {.verify_every = 3});
+    ASSERT_TRUE(runs);
+    for (const AlgorithmRun& run : *runs) {
+        const Summary summary = summarise(run);
+        EXPECT_TRUE(summary.verified);
+        EXPECT_EQ(summary.compared_frames, 3u); // 0, 3 and 6 of 0 to 7
+        EXPECT_FALSE(run.frames[1].verdict);
+    }
+    EXPECT_EQ(summarise((*runs)[1]).differing_pixels, 0u);
+    EXPECT_GT(summarise((*runs)[2]).differing_pixels, 0u); // frame 6 is a jump
 }
 
 TEST(Measure, AContenderThatCannotBeMadeIsAnErrorThatSaysWhy)

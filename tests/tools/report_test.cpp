@@ -92,29 +92,35 @@ TEST(JsonReport, HasTheKeysOfTheContract)
 {
     const std::vector<BenchDocument> documents = {example()};
     const Json json = Json::parse(json_report(documents));
-    EXPECT_EQ(keys(json), (std::set<std::string>{"version", "scene", "device", "path", "size",
-                                                 "samples", "frames", "repeat", "runs"}));
+    EXPECT_EQ(keys(json), (std::set<std::string>{"version", "scene", "device", "hierarchy",
+                                                 "leaf_triangles", "item_triangles", "split",
+                                                 "sets", "preparation", "path", "size", "samples",
+                                                 "frames", "repeat", "sample_every", "runs"}));
     EXPECT_EQ(json["version"], 1);
     EXPECT_EQ(keys(json["scene"]),
               (std::set<std::string>{"name", "objects", "items", "triangles"}));
-    EXPECT_EQ(keys(json["device"]), (std::set<std::string>{"name", "api", "renderer"}));
+    EXPECT_EQ(keys(json["device"]),
+              (std::set<std::string>{"name", "api", "renderer", "deterministic"}));
     EXPECT_EQ(json["size"], Json::parse("[640, 360]"));
 
     const std::set<std::string> counters = {
         "queries",    "boxes",       "multiqueries_failed", "state_changes", "batches",
         "draw_calls", "items_drawn", "triangles_drawn",     "nodes_visited", "waits",
-        "wait_ms",    "cull_cpu_ms", "depth_reads",         "pixels_read",   "cells_asked"};
+        "wait_ms",    "read_ms",     "cull_cpu_ms",         "depth_reads",   "pixels_read",
+        "cells_asked"};
     const Json& run = json["runs"][0];
-    EXPECT_EQ(keys(run), (std::set<std::string>{
-                             "algorithm", "hierarchy", "device", "test", "guarantee", "frame_ms",
-                             "speedup_vs_frustum", "ratio_to_opt", "ratio_to_ideal", "per_frame",
-                             "overdraw_items_vs_exact", "differing_pixels", "differing_frames",
-                             "tied_pixels", "decision_hash", "frames"}));
+    EXPECT_EQ(keys(run),
+              (std::set<std::string>{"algorithm", "hierarchy", "device", "test", "guarantee",
+                                     "frame_ms", "speedup_vs_frustum", "slowest_vs_frustum",
+                                     "ratio_to_opt", "ratio_to_ideal", "per_frame",
+                                     "overdraw_items_vs_exact", "differing_pixels",
+                                     "differing_frames", "tied_pixels", "compared_frames",
+                                     "decision_hash", "decision_hash_reproducible", "frames"}));
     EXPECT_EQ(keys(run["frame_ms"]),
               (std::set<std::string>{"median", "mean", "p95", "p99", "max", "total"}));
     EXPECT_EQ(keys(run["per_frame"]), counters);
     std::set<std::string> frame_keys = counters;
-    frame_keys.insert({"frame_ms", "speedup_vs_frustum", "ratio_to_opt", "ratio_to_ideal",
+    frame_keys.insert({"frame", "frame_ms", "speedup_vs_frustum", "ratio_to_opt", "ratio_to_ideal",
                        "overdraw_items_vs_exact", "differing_pixels", "tied_pixels",
                        "decision_hash"});
     ASSERT_EQ(run["frames"].size(), 2u);
@@ -220,6 +226,24 @@ TEST(HtmlReport, StandsAloneAndHoldsTheData)
     const size_t begin = html.find(opening) + opening.size();
     const std::string data = html.substr(begin, html.find("</script>", begin) - begin);
     EXPECT_EQ(Json::parse(data)["scene"]["name"], documents[0].scene);
+}
+
+TEST(HtmlReport, NamesTheEntriesOfASuiteAndFoldsWhatMayDiffer)
+{
+    std::vector<BenchDocument> documents = {example(), example()};
+    documents[0].entry = "city_street";
+    documents[0].runs[0].frames[0].verdict = Verdict{.differing_pixels = 7};
+    documents[1].runs[0].guarantee = Guarantee::latent(1);
+    documents[1].runs[0].frames[0].verdict = Verdict{.differing_pixels = 7};
+    const std::string html = html_report(documents);
+    EXPECT_NE(html.find("<h2 id=\"section-0\">city_street: city, "), std::string::npos);
+    EXPECT_NE(html.find("<a href=\"#section-1\">city, "), std::string::npos);
+    const size_t open = html.find("<h3>Differences</h3>");
+    const size_t folded = html.find("<details>");
+    ASSERT_NE(open, std::string::npos); // chc broke its promise ...
+    ASSERT_NE(folded, std::string::npos);
+    EXPECT_LT(open, folded); // ... and where it promised nothing, that is no alarm
+    EXPECT_EQ(html.find("<h3>Differences</h3>", open + 1), std::string::npos);
 }
 
 TEST(HtmlReport, EscapesWhatComesFromOutside)

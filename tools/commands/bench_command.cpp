@@ -45,6 +45,7 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
             return runs.error();
         }
         document.runs = std::move(*runs);
+        document.preparation = (*session)->preparation(); // now it knows of the trees that followed
     }
     if (options.verify) {
         Progress progress{streams.err, streams.watcher, "verifying " + document.scene};

@@ -1,5 +1,7 @@
 #include "commands/cli.h"
 
+#include "suites/suite.h"
+
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -72,7 +74,9 @@ void add_stage_options(CLI::App& app, RawStage& raw, bool several)
     app.add_option("--msaa", stage.samples, "Samples per pixel")
         ->capture_default_str()
         ->check(whole_number(1, kMaxSamples));
-    app.add_option("--set", stage.sets, "An option of an algorithm: ALGORITHM.OPTION=VALUE")
+    app.add_option(
+           "--set", stage.sets,
+           "An option of an algorithm: ALGORITHM.OPTION=VALUE")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--leaf-triangles", stage.leaf_triangles,
@@ -102,7 +106,6 @@ void add_frames_option(CLI::App& app, StageOptions& stage)
 void add_compare_options(CLI::App& app, RawStage& raw, CompareOptions& compare)
 {
     app.add_option("scenes", compare.scenes, "Files, or scenes of 'occlude list scenes'")
-        ->required()
         ->type_name("SCENE...");
     app.add_option(
            "--algorithms", compare.algorithms,
@@ -117,6 +120,53 @@ void add_compare_options(CLI::App& app, RawStage& raw, CompareOptions& compare)
     app.add_option("--json", compare.json, "Write the measurements as JSON")->type_name("FILE");
     app.add_option("--csv", compare.csv, "Write one row per algorithm as CSV")->type_name("FILE");
     app.add_option("--html", compare.html, "Write a report for the browser")->type_name("FILE");
+}
+
+void add_suite_options(CLI::App& app, SuiteOptions& suite)
+{
+    const std::string group =
+        "A suite instead of scenes (only --device, --cache and the files go with it)";
+    app.add_option("--suite", suite.suite, "What is measured, and how: " + suite_names())
+        ->group(group);
+    app.add_option("--scale", suite.scale, "small, or full: as large as published")
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--only", suite.only, "Entries of the suite, between commas")
+        ->type_name("ENTRY,...")
+        ->group(group);
+    app.add_flag("--add", suite.add, "Keep the other entries that the file of --json holds")
+        ->group(group);
+    app.add_option("--from", suite.from, "Measure nothing: report on the results in FILE")
+        ->type_name("FILE")
+        ->group(group);
+    app.add_option(
+           "--report", suite.report,
+           "Markdown that sets the results beside the published figures (papers; default: " +
+               std::string{kDefaultReport} + ")")
+        ->type_name("FILE")
+        ->group(group);
+}
+
+// A suite says itself what it measures, and without one there must be scenes. Throws
+// CLI::ValidationError.
+void check_suite_or_scenes(const CLI::App& bench, bool suite)
+{
+    if (!suite && bench.count("scenes") == 0) {
+        throw CLI::ValidationError{"scenes: give at least one SCENE, or --suite"};
+    }
+    const std::initializer_list<const char*> of_suites = {"--scale", "--only", "--add", "--from",
+                                                          "--report"};
+    const std::initializer_list<const char*> of_scenes = {
+        "scenes",           "--algorithms", "--hierarchy", "--test",   "--path",
+        "--size",           "--msaa",       "--set",       "--frames", "--leaf-triangles",
+        "--item-triangles", "--split",      "--repeat",    "--verify"};
+    for (const char* option : suite ? of_scenes : of_suites) {
+        if (bench.count(option) > 0) {
+            throw CLI::ValidationError{
+                suite ? fmt::format("{}: a suite decides this itself; leave it away", option)
+                      : fmt::format("{}: goes with --suite only", option)};
+        }
+    }
 }
 
 void add_render_options(CLI::App& app, RawStage& raw, RenderOptions& render)
@@ -165,13 +215,16 @@ public:
     {
         app_.require_subcommand(1);
         app_.set_version_flag("--version", std::string{"occlude "} + OCCLUDE_VERSION);
-        bench_ = app_.add_subcommand("bench", "Measure algorithms side by side on scenes");
+        bench_ = app_.add_subcommand(
+            "bench", "Measure algorithms side by side on scenes, or a whole suite of them");
         add_compare_options(*bench_, compare_stage_, compare_);
+        add_suite_options(*bench_, suite_);
         verify_ = app_.add_subcommand(
             "verify", "Compare every culled frame with the frustum-only image; exit code 1 if an "
                       "exact algorithm differs. Walks the paths auto and teleport unless --path "
                       "names one");
         add_compare_options(*verify_, compare_stage_, compare_);
+        verify_->get_option("scenes")->required();
         render_ = app_.add_subcommand("render", "Draw culled frames as PNG");
         add_render_options(*render_, render_stage_, render_options_);
         info_ = app_.add_subcommand("info",
@@ -200,6 +253,12 @@ public:
     /// Runs the subcommand that was parsed. Throws CLI::ParseError.
     Result<int> run(const Streams& streams)
     {
+        if (bench_->parsed()) {
+            check_suite_or_scenes(*bench_, !suite_.suite.empty());
+            if (!suite_.suite.empty()) {
+                return suite_command(finish_suite(), streams);
+            }
+        }
         if (bench_->parsed() || verify_->parsed()) {
             const CLI::App& parsed = bench_->parsed() ? *bench_ : *verify_;
             compare_.stage = finish_stage(compare_stage_, parsed);
@@ -222,6 +281,18 @@ public:
     }
 
 private:
+    SuiteOptions finish_suite() const
+    {
+        SuiteOptions suite = suite_;
+        const StageOptions stage = finish_stage(compare_stage_, *bench_);
+        suite.device = stage.device;
+        suite.cache_folder = stage.cache_folder;
+        suite.json = compare_.json;
+        suite.csv = compare_.csv;
+        suite.html = compare_.html;
+        return suite;
+    }
+
     CLI::App app_;
     CLI::App* bench_ = nullptr;
     CLI::App* verify_ = nullptr;
@@ -234,6 +305,7 @@ private:
     RawStage info_stage_;
     CompareOptions compare_;
     RenderOptions render_options_;
+    SuiteOptions suite_;
     InfoOptions info_options_;
     ListOptions list_options_;
     GenerateOptions generate_options_;

@@ -18,6 +18,7 @@ struct Streams {
 };
 
 Result<int> bench_command(const CompareOptions& options, const Streams& streams);
+Result<int> suite_command(const SuiteOptions& options, const Streams& streams);
 Result<int> verify_command(const CompareOptions& options, const Streams& streams);
 Result<int> render_command(const RenderOptions& options, const Streams& streams);
 Result<int> info_command(const InfoOptions& options, const Streams& streams);

@@ -77,6 +77,14 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
             .samples = options.stage.samples,
             .frames = frames,
             .repeat = options.repeat,
+            .sample_every = 1,
+            .leaf_triangles = options.stage.leaf_triangles,
+            .item_triangles = options.stage.item_triangles,
+            .split = options.stage.split,
+            .sets = options.stage.sets,
+            .preparation = session.preparation(),
+            .entry = {},
+            .date = {},
             .runs = {}};
 }
 

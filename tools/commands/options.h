@@ -29,7 +29,7 @@ struct StageOptions {
     uint32_t item_triangles = SceneOptions{}.item_triangles;
     std::string split = "centroid";
     std::optional<std::string> cache_folder; ///< empty: default_cache_folder()
-    std::vector<std::string> sets;           ///< ALGORITHM.OPTION=VALUE
+    std::vector<std::string> sets;           ///< ALGORITHM[@LABEL].OPTION=VALUE
 };
 
 /// For bench and verify, which take the same options.
@@ -44,6 +44,22 @@ struct CompareOptions {
     std::string csv;
     std::string html;
 };
+
+/// For bench --suite.
+struct SuiteOptions {
+    std::string suite;
+    std::string scale = "small";
+    std::string only; ///< entries between commas; empty: all
+    std::optional<std::string> device;
+    std::optional<std::string> cache_folder;
+    std::string json; ///< file names; empty: not asked for
+    std::string csv;
+    std::string html;
+    bool add = false;   ///< keep what `json` holds of entries that are not measured
+    std::string from;   ///< a file of results to report on, instead of measuring
+    std::string report; ///< Markdown beside published figures; empty: kDefaultReport
+};
+inline constexpr const char* kDefaultReport = "out/papers.md";
 
 struct RenderOptions {
     StageOptions stage;
@@ -81,9 +97,9 @@ struct FrameRange {
 };
 Result<FrameRange> parse_frame_range(std::string_view text);
 
-/// "chc.threshold=20".
+/// "chc.threshold=20", "lazy_grid@busy.update=busy".
 struct SetOption {
-    std::string algorithm;
+    std::string algorithm; ///< with its label
     std::string option;
     std::string value;
 };

@@ -1,5 +1,6 @@
 #include "commands/session.h"
 
+#include "measure/timing_device.h"
 #include "scenes/exact_split.h"
 #include "scenes/paths.h"
 
@@ -73,6 +74,8 @@ Session::Session(SceneModel model, const StageOptions& options, std::span<const 
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
 {
+    const Clock clock = steady_clock();
+    const double start = clock();
     for (const std::string& kind : kinds) {
         auto tree = std::make_unique<Tree>();
         tree->kind = kind;
@@ -84,6 +87,17 @@ Session::Session(SceneModel model, const StageOptions& options, std::span<const 
         }
         trees_.push_back(std::move(tree));
     }
+    preparation_.hierarchy_seconds = clock() - start;
+    preparation_.uncut_triangles = model_.uncut_triangles;
+}
+
+Preparation Session::preparation() const
+{
+    Preparation preparation = preparation_;
+    if (motion_) {
+        preparation.tree_update_ms = motion_->tree_update_ms();
+    }
+    return preparation;
 }
 
 const Hierarchy* Session::tree(std::string_view kind) const
@@ -177,7 +191,10 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
     if (const auto checked = check_stage_options(options); !checked) {
         return checked.error();
     }
+    const Clock clock = steady_clock();
+    const double start = clock();
     auto model = load_scene(scene, scene_options(options));
+    const double load_seconds = clock() - start;
     if (!model) {
         return model.error();
     }
@@ -195,6 +212,7 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
     }
     std::unique_ptr<Session> session{
         new Session{std::move(*model), options, *parse_hierarchies(options.hierarchy)}};
+    session->preparation_.load_seconds = load_seconds;
     if (const auto made = session->make_renderer(notes); !made) {
         return made.error();
     }

@@ -4,6 +4,7 @@
 #include "commands/options.h"
 #include "measure/motion_player.h"
 #include "measure/stage.h"
+#include "report/bench_document.h"
 
 #include <occlude/scene/two_level_scene.h>
 
@@ -31,6 +32,8 @@ public:
     /// "gl" or "cpu".
     const std::string& device_name() const { return device_name_; }
     const StageOptions& options() const { return options_; }
+    /// What was measured while the session was made, and since then where things move.
+    Preparation preparation() const;
 
     /// Valid as long as the session. If the scene moves, set_frame() changes the session's scene,
     /// hierarchies and renderer.
@@ -69,6 +72,7 @@ private:
     std::string device_name_;
     std::unique_ptr<MovingTree> moving_trees_; ///< these are null if nothing moves
     std::unique_ptr<MotionPlayer> motion_;
+    Preparation preparation_;
 };
 
 /// Errors for choices that this version does not have. Costs nothing: call it before loading.

@@ -1,5 +1,7 @@
 #include "measure/measure.h"
 
+#include "measure/verify.h"
+
 #include <occlude/core/assert.h>
 
 #include <algorithm>
@@ -17,6 +19,7 @@ constexpr double kMsPerSecond = 1000.0;
 struct Samples {
     std::vector<double> frame_ms;
     std::vector<double> wait_ms;
+    std::vector<double> read_ms;
     std::vector<double> cull_cpu_ms;
 };
 
@@ -28,13 +31,19 @@ public:
         : stage_(stage)
         , views_(views)
         , options_(options)
+        , contenders_(contenders)
         , cullers_(std::move(cullers))
-        , owners_(views.size())
-        , samples_(contenders.size(), std::vector<Samples>(views.size()))
     {
+        for (size_t frame = options.sample_every - 1; frame < views.size();
+             frame += options.sample_every) {
+            sampled_frames_.push_back(frame);
+        }
+        const size_t count = sampled_frames_.size();
+        owners_.resize(count);
+        samples_.assign(contenders.size(), std::vector<Samples>(count));
         for (const Contender& contender : contenders) {
             runs_.push_back(
-                {contender.name, {}, std::vector<FrameFigures>(views.size()), contender.hierarchy});
+                {contender.name, {}, std::vector<FrameFigures>(count), contender.hierarchy});
         }
     }
 
@@ -45,14 +54,7 @@ public:
             for (const auto& culler : cullers_) {
                 culler->reset();
             }
-            for (size_t frame = 0; frame < views_.size(); ++frame) {
-                walk_frame(frame, repeat);
-                if (options_.progress) {
-                    const size_t done = repeat * views_.size() + frame + 1;
-                    options_.progress(static_cast<double>(done) /
-                                      static_cast<double>(options_.repeat * views_.size()));
-                }
-            }
+            walk_path(repeat);
         }
         take_medians();
         compare_with_references(runs_);
@@ -60,10 +62,10 @@ public:
     }
 
 private:
-    void find_owners(size_t frame)
+    std::vector<ItemId> owners_in(size_t frame)
     {
         const std::vector<ItemId> items = items_in_frustum(views_[frame], stage_.item_bounds);
-        owners_[frame] = owners_of_pixels(stage_.renderer.render_ids(views_[frame], items));
+        return owners_of_pixels(stage_.renderer.render_ids(views_[frame], items));
     }
 
     void warm_up()
@@ -73,67 +75,116 @@ private:
         for (size_t i = 0; i < count; ++i) {
             const size_t frame = i * views_.size() / count;
             set_frame(stage_, frame);
-            find_owners(frame);
+            const std::vector<ItemId> owners = owners_in(frame);
             for (const auto& culler : cullers_) {
-                record_answer(*culler, views_[frame], stage_.renderer.device(), owners_[frame]);
+                record_answer(*culler, views_[frame], stage_.renderer.device(), owners);
                 culler->cull(views_[frame], stage_.renderer.device());
             }
         }
     }
 
-    void walk_frame(size_t frame, size_t repeat)
+    void walk_path(size_t repeat)
     {
-        set_frame(stage_, frame);
-        if (repeat == 0) {
-            find_owners(frame);
-        }
-        for (const auto& culler : cullers_) {
-            record_answer(*culler, views_[frame], stage_.renderer.device(), owners_[frame]);
-        }
-        for (const size_t contender : contender_order(cullers_.size(), frame, repeat)) {
-            time_frame(contender, frame, repeat);
+        for (size_t frame = 0, sample = 0; frame < views_.size(); ++frame) {
+            set_frame(stage_, frame);
+            if (sample < sampled_frames_.size() && frame == sampled_frames_[sample]) {
+                measure_frame(sample++, repeat);
+            } else {
+                pass_frame(frame);
+            }
+            if (options_.progress) {
+                const size_t done = repeat * views_.size() + frame + 1;
+                options_.progress(static_cast<double>(done) /
+                                  static_cast<double>(options_.repeat * views_.size()));
+            }
         }
     }
 
-    void time_frame(size_t contender, size_t frame, size_t repeat)
+    // A frame between two samples: seen only by those who would miss it.
+    void pass_frame(size_t frame)
+    {
+        for (size_t i = 0; i < cullers_.size(); ++i) {
+            if (contenders_[i].remembers) {
+                cullers_[i]->cull(views_[frame], stage_.renderer.device());
+                stage_.renderer.finish();
+            }
+        }
+    }
+
+    void measure_frame(size_t sample, size_t repeat)
+    {
+        const View& view = views_[sampled_frames_[sample]];
+        if (repeat == 0) {
+            owners_[sample] = owners_in(sampled_frames_[sample]);
+        }
+        for (const auto& culler : cullers_) {
+            record_answer(*culler, view, stage_.renderer.device(), owners_[sample]);
+        }
+        const bool judged =
+            repeat == 0 && options_.verify_every > 0 && sample % options_.verify_every == 0;
+        const Capture reference = judged ? reference_image(stage_, view) : Capture{};
+        for (const size_t contender : contender_order(cullers_.size(), sample, repeat)) {
+            time_frame(contender, sample, repeat);
+            if (judged) {
+                judge(contender, sample, reference);
+            }
+        }
+    }
+
+    void time_frame(size_t contender, size_t sample, size_t repeat)
     {
         Culler& culler = *cullers_[contender];
         TimingDevice device{stage_.renderer.device(), options_.clock};
         stage_.renderer.finish();
         const double start = options_.clock();
-        const FrameReport report = culler.cull(views_[frame], device);
+        const FrameReport report = culler.cull(views_[sampled_frames_[sample]], device);
         const double culled = options_.clock();
         stage_.renderer.finish();
         const double stop = options_.clock();
 
-        Samples& samples = samples_[contender][frame];
+        Samples& samples = samples_[contender][sample];
         samples.frame_ms.push_back(kMsPerSecond * (stop - start));
         samples.wait_ms.push_back(kMsPerSecond * device.wait_seconds());
+        samples.read_ms.push_back(kMsPerSecond * device.read_seconds());
         samples.cull_cpu_ms.push_back(kMsPerSecond * (culled - start - device.verb_seconds()));
+        runs_[contender].polled = runs_[contender].polled || device.polls() > 0;
         if (repeat == 0) {
-            note_decisions(contender, frame, report);
+            note_decisions(contender, sample, report);
         }
     }
 
-    void note_decisions(size_t contender, size_t frame, const FrameReport& report)
+    void note_decisions(size_t contender, size_t sample, const FrameReport& report)
     {
         const Culler& culler = *cullers_[contender];
         AlgorithmRun& run = runs_[contender];
         run.guarantee = weaker(run.guarantee, report.guarantee);
-        FrameFigures& figures = run.frames[frame];
+        FrameFigures& figures = run.frames[sample];
+        figures.frame = sampled_frames_[sample];
         figures.counters = report.counters;
-        figures.decision_hash = culler.decisions().hash(culler.hierarchy(), frame);
-        figures.overdraw_items_vs_exact = overdraw_items(culler.drawn_items(), owners_[frame]);
+        figures.plan = report.plan;
+        figures.decision_hash = culler.decisions().hash(culler.hierarchy(), figures.frame);
+        figures.overdraw_items_vs_exact = overdraw_items(culler.drawn_items(), owners_[sample]);
+    }
+
+    void judge(size_t contender, size_t sample, const Capture& reference)
+    {
+        const Culler& culler = *cullers_[contender];
+        const Capture culled = stage_.renderer.capture();
+        Stage walked{culler.hierarchy(), stage_.item_bounds, stage_.renderer};
+        runs_[contender].frames[sample].verdict =
+            judge_frame(walked, views_[sampled_frames_[sample]], reference, culled,
+                        culler.drawn_items(), culler.decisions());
     }
 
     void take_medians()
     {
         for (size_t contender = 0; contender < runs_.size(); ++contender) {
-            for (size_t frame = 0; frame < views_.size(); ++frame) {
-                const Samples& samples = samples_[contender][frame];
-                FrameFigures& figures = runs_[contender].frames[frame];
+            for (size_t sample = 0; sample < sampled_frames_.size(); ++sample) {
+                const Samples& samples = samples_[contender][sample];
+                FrameFigures& figures = runs_[contender].frames[sample];
                 figures.frame_ms = median(samples.frame_ms);
                 figures.wait_ms = median(samples.wait_ms);
+                figures.read_ms = median(samples.read_ms);
                 figures.cull_cpu_ms = median(samples.cull_cpu_ms);
             }
         }
@@ -142,8 +193,10 @@ private:
     const Stage& stage_;
     std::span<const View> views_;
     const MeasureOptions& options_;
+    std::span<const Contender> contenders_;
     std::vector<std::unique_ptr<Culler>> cullers_;
-    std::vector<std::vector<ItemId>> owners_; // by frame
+    std::vector<size_t> sampled_frames_;      // of the path, ascending
+    std::vector<std::vector<ItemId>> owners_; // by sample, as is the second index of the next two
     std::vector<std::vector<Samples>> samples_;
     std::vector<AlgorithmRun> runs_;
 };
@@ -217,7 +270,9 @@ Result<std::vector<AlgorithmRun>> measure(const Stage& stage, std::span<const Co
                                           std::span<const View> views,
                                           const MeasureOptions& options)
 {
-    OCCLUDE_ASSERT(!views.empty() && options.repeat > 0, "there is nothing to measure");
+    OCCLUDE_ASSERT(!views.empty() && options.repeat > 0 && options.sample_every > 0 &&
+                       options.sample_every <= views.size(),
+                   "there is nothing to measure");
     auto cullers = make_cullers(stage, contenders);
     if (!cullers) {
         return cullers.error();

@@ -1,5 +1,8 @@
 #include "measure/motion_player.h"
 
+#include "measure/run.h"
+#include "measure/timing_device.h"
+
 #include <occlude/core/assert.h>
 
 namespace occlude::tools {
@@ -23,13 +26,24 @@ void MotionPlayer::go_to(size_t frame)
         rewind();
     }
     take_over(frame);
+    const Clock clock = steady_clock();
+    const double start = clock();
     tree_.update(scene_.scene, frame);
+    tree_seconds_ += clock() - start;
+    ++tree_updates_;
     renderer_.update_transforms(transforms_);
     if (items_changed_) {
         renderer_.update_items(scene_.items);
         items_changed_ = false;
     }
     frame_ = frame;
+}
+
+double MotionPlayer::tree_update_ms() const
+{
+    constexpr double kMsPerSecond = 1000.0;
+    return tree_updates_ == 0 ? kNotMeasured
+                              : kMsPerSecond * tree_seconds_ / static_cast<double>(tree_updates_);
 }
 
 void MotionPlayer::rewind()

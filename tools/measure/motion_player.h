@@ -24,6 +24,9 @@ public:
     /// scene.item_bounds() stays where it is. O(items) and what the tree costs.
     void go_to(size_t frame);
 
+    /// Mean time that the tree took to follow, per frame since the player was made; NaN before that.
+    double tree_update_ms() const;
+
 private:
     void rewind();
     void add(uint32_t instance);
@@ -37,6 +40,8 @@ private:
     std::vector<glm::mat4> transforms_; ///< by instance, in the current frame
     size_t frame_ = 0;
     bool items_changed_ = false;
+    double tree_seconds_ = 0.0;
+    size_t tree_updates_ = 0;
 };
 
 } // namespace occlude::tools

@@ -1,7 +1,5 @@
 #include "measure/run.h"
 
-#include <occlude/core/rng.h>
-
 #include <algorithm>
 
 namespace occlude::tools {
@@ -47,24 +45,27 @@ Summary summarise(const AlgorithmRun& run)
 {
     Summary summary;
     summary.frame_ms = distribution(column(run, &FrameFigures::frame_ms));
-    summary.speedup_vs_frustum = median(column(run, &FrameFigures::speedup_vs_frustum));
+    const std::vector<double> speedups = column(run, &FrameFigures::speedup_vs_frustum);
+    summary.speedup_vs_frustum = median(speedups);
+    summary.slowest_vs_frustum = percentile(speedups, 0.0);
     summary.ratio_to_opt = median(column(run, &FrameFigures::ratio_to_opt));
     summary.ratio_to_ideal = median(column(run, &FrameFigures::ratio_to_ideal));
     summary.overdraw_items_vs_exact = mean(column(run, &FrameFigures::overdraw_items_vs_exact));
     summary.wait_ms = mean(column(run, &FrameFigures::wait_ms));
+    summary.read_ms = mean(column(run, &FrameFigures::read_ms));
     summary.cull_cpu_ms = mean(column(run, &FrameFigures::cull_cpu_ms));
     summary.frame_count = run.frames.size();
-    summary.verified = !run.frames.empty();
     for (const FrameFigures& frame : run.frames) {
         summary.total += frame.counters;
-        summary.decision_hash = hash64(summary.decision_hash, frame.decision_hash);
-        summary.verified = summary.verified && frame.verdict.has_value();
+        summary.decision_hash = walk_hash(summary.decision_hash, frame.decision_hash);
         if (frame.verdict) {
+            ++summary.compared_frames;
             summary.differing_pixels += frame.verdict->differing_pixels;
             summary.differing_frames += frame.verdict->differing_pixels > 0 ? 1 : 0;
             summary.tied_pixels += frame.verdict->tied_pixels;
         }
     }
+    summary.verified = summary.compared_frames > 0;
     return summary;
 }
 

@@ -41,8 +41,10 @@ struct Verdict {
 };
 
 struct FrameFigures {
+    size_t frame = 0; ///< of the path
     double frame_ms = kNotMeasured;
     double wait_ms = kNotMeasured;     ///< in wait()
+    double read_ms = kNotMeasured;     ///< in read_depth()
     double cull_cpu_ms = kNotMeasured; ///< in the culler itself: cull() less all device verbs
     double speedup_vs_frustum = kNotMeasured;
     double ratio_to_opt = kNotMeasured;
@@ -51,14 +53,17 @@ struct FrameFigures {
     double overdraw_items_vs_exact = kNotMeasured;
     FrameCounters counters;
     uint64_t decision_hash = 0;
+    FramePlan plan;                 ///< of algorithms that choose anew for each frame
     std::optional<Verdict> verdict; ///< empty: not compared
 };
 
 struct AlgorithmRun {
     std::string algorithm;
-    Guarantee guarantee; ///< the weakest of all frames
-    std::vector<FrameFigures> frames;
-    std::string hierarchy = {}; ///< the kind it ran on; empty: nobody said
+    Guarantee guarantee;              ///< the weakest of all frames
+    std::vector<FrameFigures> frames; ///< those that were measured, in order
+    std::string hierarchy = {};       ///< the kind it ran on; empty: nobody said
+    /// It asked whether answers had come: its decisions may depend on when they do.
+    bool polled = false;
 };
 
 /// True if the runs are on more than one kind of hierarchy, so that reports must tell them apart.
@@ -76,11 +81,14 @@ struct Summary {
     double ratio_to_ideal = kNotMeasured;
     double overdraw_items_vs_exact = kNotMeasured; ///< means from here on
     double wait_ms = kNotMeasured;
+    double read_ms = kNotMeasured;
     double cull_cpu_ms = kNotMeasured;
-    FrameCounters total; ///< over all frames
+    double slowest_vs_frustum = kNotMeasured; ///< the least of speedup_vs_frustum
+    FrameCounters total;                      ///< over all frames
     size_t frame_count = 0;
     uint64_t decision_hash = 0; ///< of all frames in order
-    bool verified = false;      ///< every frame was compared
+    size_t compared_frames = 0;
+    bool verified = false; ///< some frame was compared; the counts below are of these
     uint64_t differing_pixels = 0;
     uint64_t differing_frames = 0;
     uint64_t tied_pixels = 0;

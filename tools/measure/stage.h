@@ -35,10 +35,11 @@ inline void set_frame(const Stage& stage, size_t frame)
 
 /// An algorithm with its options, ready to be made as often as needed, and the tree it runs on.
 struct Contender {
-    std::string name;
+    std::string name; ///< of the algorithm, with a label if there are several runs of it
     std::function<Result<std::unique_ptr<Culler>>(const Hierarchy&)> make;
     std::string hierarchy = {};      ///< its kind, for reports
     const Hierarchy* tree = nullptr; ///< null: that of the stage
+    bool remembers = true;           ///< AlgorithmInfo::remembers: it must see every frame
 };
 
 /// One culler per contender, in order; the error of the first that cannot be made.

@@ -39,6 +39,8 @@ void TimingDevice::restart()
 {
     verb_seconds_ = 0.0;
     wait_seconds_ = 0.0;
+    read_seconds_ = 0.0;
+    polls_ = 0;
 }
 
 void TimingDevice::begin_frame(const View& view)
@@ -74,6 +76,7 @@ void TimingDevice::flush()
 Answer TimingDevice::poll(Ticket ticket)
 {
     const Span span{clock_, verb_seconds_};
+    ++polls_;
     return inner_.poll(ticket);
 }
 
@@ -89,8 +92,12 @@ Answer TimingDevice::wait(Ticket ticket)
 
 bool TimingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
-    const Span span{clock_, verb_seconds_};
-    return inner_.read_depth(rect, out);
+    const double start = clock_();
+    const bool read = inner_.read_depth(rect, out);
+    const double seconds = clock_() - start;
+    verb_seconds_ += seconds;
+    read_seconds_ += seconds;
+    return read;
 }
 
 void TimingDevice::end_frame()

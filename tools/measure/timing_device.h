@@ -25,6 +25,10 @@ public:
     double verb_seconds() const { return verb_seconds_; }
     /// Seconds spent in wait().
     double wait_seconds() const { return wait_seconds_; }
+    /// Seconds spent in read_depth().
+    double read_seconds() const { return read_seconds_; }
+    /// Calls of poll(): what a culler decides after one may depend on when answers arrive.
+    uint64_t polls() const { return polls_; }
     void restart();
 
     const DeviceCaps& caps() const override { return inner_.caps(); }
@@ -43,6 +47,8 @@ private:
     Clock clock_;
     double verb_seconds_ = 0.0;
     double wait_seconds_ = 0.0;
+    double read_seconds_ = 0.0;
+    uint64_t polls_ = 0;
 };
 
 } // namespace occlude::tools

@@ -139,6 +139,7 @@ void verify_frame(const Stage& stage, const View& view, const Capture& reference
     const Capture culled = stage.renderer.capture();
     run.guarantee = weaker(run.guarantee, report.guarantee);
     FrameFigures& figures = run.frames[frame];
+    figures.frame = frame;
     figures.counters = report.counters;
     figures.decision_hash = culler.decisions().hash(culler.hierarchy(), frame);
     const Stage walked{culler.hierarchy(), stage.item_bounds, stage.renderer};
@@ -161,6 +162,11 @@ Mask unexplained(const Stage& stage, const View& view, const Capture& culled,
 }
 
 } // namespace
+
+Capture reference_image(const Stage& stage, const View& view)
+{
+    return draw_and_capture(stage, view, items_in_frustum(view, stage.item_bounds));
+}
 
 Verdict judge_frame(const Stage& stage, const View& view, const Capture& reference,
                     const Capture& culled, std::span<const ItemId> drawn,
@@ -250,7 +256,7 @@ std::vector<std::string> describe_differences(const AlgorithmRun& run, size_t ma
             continue;
         }
         if (lines.size() < max_lines) {
-            lines.push_back(describe_frame(run, frame, *verdict));
+            lines.push_back(describe_frame(run, run.frames[frame].frame, *verdict));
         } else {
             ++left_out;
         }

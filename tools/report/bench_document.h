@@ -11,6 +11,14 @@
 
 namespace occlude::tools {
 
+/// What happened before the first frame, and between frames where things move.
+struct Preparation {
+    double load_seconds = kNotMeasured;      ///< the scene, cutting of meshes included
+    double hierarchy_seconds = kNotMeasured; ///< building the tree
+    double tree_update_ms = kNotMeasured;    ///< the tree per frame; only where things move
+    uint64_t uncut_triangles = 0;            ///< of the scene before meshes were cut
+};
+
 struct BenchDocument {
     std::string scene;
     uint64_t objects = 0;
@@ -24,9 +32,20 @@ struct BenchDocument {
     std::string path;
     glm::ivec2 size{0};
     int samples = 1;
-    size_t frames = 0;
+    size_t frames = 0; ///< of the path
     size_t repeat = 1;
+    size_t sample_every = 1; ///< MeasureOptions::sample_every
+    uint32_t leaf_triangles = 0;
+    uint32_t item_triangles = 0;
+    std::string split;
+    std::vector<std::string> sets; ///< options of algorithms that are not the default
+    Preparation preparation;
+    std::string entry; ///< of a suite; empty: of none
+    std::string date;  ///< of a suite's run, YYYY-MM-DD
     std::vector<AlgorithmRun> runs;
+
+    /// True if answers come at once, so that what is decided depends on nothing but the frames.
+    bool deterministic() const { return device == "cpu"; }
 };
 
 } // namespace occlude::tools

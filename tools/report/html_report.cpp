@@ -26,6 +26,7 @@ dt { color: #57606a; } dd { margin: 0; }
 .bad { color: #b3261e; font-weight: 600; } .good { color: #1a7f37; }
 figure { margin: 1.5rem 0; } figcaption { color: #57606a; }
 .plot { position: relative; height: 22rem; }
+.wide { overflow-x: auto; } .wide th, .wide td { white-space: nowrap; }
 )";
 
 // Draws the two plots of every document from the JSON that is in the page.
@@ -33,7 +34,8 @@ constexpr const char* kScript = R"(
 const parsed = JSON.parse(document.getElementById('occlude-data').textContent);
 const documents = Array.isArray(parsed) ? parsed : [parsed];
 const colors = ['#6e7781', '#0969da', '#bf3989', '#1a7f37', '#bc4c00', '#8250df', '#9a6700',
-                '#0a3069', '#cf222e', '#116329'];
+                '#0a3069', '#cf222e', '#116329', '#e16f24', '#6639ba', '#1b7c83', '#953800',
+                '#db61a2', '#57606a'];
 Chart.defaults.animation = false;
 documents.forEach((doc, index) => {
   const runs = doc.runs.filter(run => run.frame_ms.median !== null);
@@ -53,10 +55,11 @@ documents.forEach((doc, index) => {
   });
   new Chart(document.getElementById('lines-' + index), {
     type: 'line',
-    data: { labels: runs[0].frames.map((_, frame) => frame),
+    data: { labels: runs[0].frames.map(frame => frame.frame),
             datasets: runs.map((run, i) => ({
               label: label(run), data: run.frames.map(frame => frame.frame_ms),
-              borderColor: colors[i % colors.length], borderWidth: 1.5, pointRadius: 0 })) },
+              borderColor: colors[i % colors.length],
+              backgroundColor: colors[i % colors.length], borderWidth: 1.5, pointRadius: 0 })) },
     options: { maintainAspectRatio: false, interaction: { mode: 'index', intersect: false },
                scales: { x: { title: { display: true, text: 'frame' } },
                          y: { beginAtZero: true, title: { display: true, text: 'ms' } } } }
@@ -105,7 +108,7 @@ std::string runs_table(const BenchDocument& document)
         "algorithm", "promise",   "median ms", "p99 ms",       "speed-up",      "vs opt",
         "vs ideal",  "queries",   "boxes",     "failed multi", "state changes", "draw calls",
         "items",     "triangles", "waits",     "wait ms",      "cull CPU ms",   "differing px"};
-    std::string html = "<table><thead><tr>";
+    std::string html = "<div class=\"wide\"><table><thead><tr>";
     for (const char* heading : kHeadings) {
         html += fmt::format("<th>{}</th>", heading);
     }
@@ -114,48 +117,93 @@ std::string runs_table(const BenchDocument& document)
     for (const AlgorithmRun& run : document.runs) {
         html += run_row(run, several);
     }
-    return html + "</tbody></table>\n<p>Counters are means per frame. Speed-up is against "
+    return html + "</tbody></table></div>\n<p>Counters are means per frame. Speed-up is against "
                   "<i>frustum</i>; the ratios are times against <i>opt</i> (the visible leaves "
                   "known beforehand) and <i>ideal</i> (the visible items known beforehand); all "
                   "three are formed per frame, then the median is taken.</p>\n";
 }
 
+// "1 frame", "24 frames".
+std::string counted(size_t count, std::string_view thing)
+{
+    return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+}
+
 std::string environment(const BenchDocument& d)
 {
+    const std::string measured =
+        d.sample_every > 1 ? fmt::format(", one in {} measured", d.sample_every) : "";
     const auto entry = [](std::string_view name, std::string_view value) {
         return fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, html_escaped(value));
     };
     return "<dl>\n" +
            entry("scene", fmt::format("{} objects, {} items, {} triangles", grouped(d.objects),
                                       grouped(d.items), grouped(d.triangles))) +
-           entry("path",
-                 fmt::format("{}, {} frames, walked {} times", d.path, d.frames, d.repeat)) +
-           entry("image", fmt::format("{} x {}, {} samples", d.size.x, d.size.y, d.samples)) +
+           entry("path", d.path + ", " + counted(d.frames, "frame") + measured + ", walked " +
+                             counted(d.repeat, "time")) +
+           entry("image", fmt::format("{} x {}, {} a pixel", d.size.x, d.size.y,
+                                      counted(static_cast<size_t>(d.samples), "sample"))) +
            entry("device", fmt::format("{}: {}", d.api, d.renderer)) +
            entry("hierarchy", d.hierarchy) + entry("test", d.test) + "</dl>\n";
 }
 
-std::string differences(const BenchDocument& document)
+std::string list_of_differences(const AlgorithmRun& run)
 {
     constexpr size_t kMaxLines = 20;
     std::string items;
-    for (const AlgorithmRun& run : document.runs) {
-        for (const std::string& line : describe_differences(run, kMaxLines)) {
-            items += "<li>" + html_escaped(line) + "</li>\n";
-        }
+    for (const std::string& line : describe_differences(run, kMaxLines)) {
+        items += "<li>" + html_escaped(line) + "</li>\n";
     }
-    return items.empty() ? "" : "<h3>Differences</h3>\n<ul>\n" + items + "</ul>\n";
+    return items.empty() ? "" : "<ul>\n" + items + "</ul>\n";
+}
+
+// What differs although it must not stands open; what may differ can be unfolded.
+std::string differences(const BenchDocument& document)
+{
+    std::string broken;
+    std::string allowed;
+    for (const AlgorithmRun& run : document.runs) {
+        const bool exact = run.guarantee.kind == Guarantee::Kind::exact;
+        (exact ? broken : allowed) += list_of_differences(run);
+    }
+    std::string html = broken.empty() ? "" : "<h3>Differences</h3>\n" + broken;
+    if (!allowed.empty()) {
+        html += "<details><summary>Differences of algorithms that are not exact</summary>\n" +
+                allowed + "</details>\n";
+    }
+    return html;
+}
+
+// The name a reader looks for: the entry of a suite, or else the scene.
+std::string title(const BenchDocument& document)
+{
+    const std::string scene =
+        fmt::format("{}, path {}", html_escaped(document.scene), html_escaped(document.path));
+    return document.entry.empty() ? scene
+                                  : fmt::format("{}: {}", html_escaped(document.entry), scene);
+}
+
+// Links to the sections, where there are several.
+std::string contents(std::span<const BenchDocument> documents)
+{
+    if (documents.size() < 2) {
+        return "";
+    }
+    std::string items;
+    for (size_t i = 0; i < documents.size(); ++i) {
+        items += fmt::format("<li><a href=\"#section-{}\">{}</a></li>\n", i, title(documents[i]));
+    }
+    return "<ul>\n" + items + "</ul>\n";
 }
 
 std::string section(const BenchDocument& document, size_t index)
 {
-    return fmt::format("<h2>{}, path {}</h2>\n{}"
+    return fmt::format("<h2 id=\"section-{}\">{}</h2>\n{}"
                        "<figure><div class=\"plot\"><canvas id=\"bars-{}\"></canvas></div>"
                        "<figcaption>Time of a frame, by algorithm</figcaption></figure>\n"
                        "<figure><div class=\"plot\"><canvas id=\"lines-{}\"></canvas></div>"
                        "<figcaption>Time of every frame along the path</figcaption></figure>\n",
-                       html_escaped(document.scene), html_escaped(document.path),
-                       environment(document), index, index) +
+                       index, title(document), environment(document), index, index) +
            runs_table(document) + differences(document);
 }
 
@@ -201,7 +249,7 @@ std::string html_report(std::span<const BenchDocument> documents)
                        "<meta name=\"viewport\" content=\"width=device-width\">\n"
                        "<title>occlude: occlusion culling measured</title>\n<style>";
     html += kStyle;
-    html += "</style></head><body>\n<h1>Occlusion culling, measured</h1>\n";
+    html += "</style></head><body>\n<h1>Occlusion culling, measured</h1>\n" + contents(documents);
     for (size_t i = 0; i < documents.size(); ++i) {
         html += section(documents[i], i);
     }

@@ -11,6 +11,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Whether every frame is told, or only what sums them up.
+enum class Detail { frames, sums };
+
 Json number(double value)
 {
     return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -35,7 +38,8 @@ Json distribution_json(const Distribution& d)
 
 // `value(count)` is what becomes of a counter: itself for one frame, its mean for a run.
 template <class Value>
-Json counters_json(const FrameCounters& c, double wait_ms, double cull_cpu_ms, Value&& value)
+Json counters_json(const FrameCounters& c, double wait_ms, double read_ms, double cull_cpu_ms,
+                   Value&& value)
 {
     return {{"queries", value(c.queries)},
             {"boxes", value(c.boxes)},
@@ -51,16 +55,18 @@ Json counters_json(const FrameCounters& c, double wait_ms, double cull_cpu_ms, V
             {"pixels_read", value(c.pixels_read)},
             {"cells_asked", value(c.cells_asked)},
             {"wait_ms", number(wait_ms)},
+            {"read_ms", number(read_ms)},
             {"cull_cpu_ms", number(cull_cpu_ms)}};
 }
 
 Json frame_json(const FrameFigures& frame)
 {
-    Json json = {{"frame_ms", number(frame.frame_ms)},
+    Json json = {{"frame", frame.frame},
+                 {"frame_ms", number(frame.frame_ms)},
                  {"speedup_vs_frustum", number(frame.speedup_vs_frustum)},
                  {"ratio_to_opt", number(frame.ratio_to_opt)},
                  {"ratio_to_ideal", number(frame.ratio_to_ideal)}};
-    json.update(counters_json(frame.counters, frame.wait_ms, frame.cull_cpu_ms,
+    json.update(counters_json(frame.counters, frame.wait_ms, frame.read_ms, frame.cull_cpu_ms,
                               [](uint64_t count) { return Json(count); }));
     const bool verified = frame.verdict.has_value();
     const Verdict verdict = frame.verdict.value_or(Verdict{});
@@ -68,16 +74,16 @@ Json frame_json(const FrameFigures& frame)
     json["differing_pixels"] = if_verified(verified, verdict.differing_pixels);
     json["tied_pixels"] = if_verified(verified, verdict.tied_pixels);
     json["decision_hash"] = hash_text(frame.decision_hash);
+    if (frame.plan.kind != FramePlan::Kind::fixed) {
+        json["plan"] = to_string(frame.plan);
+    }
     return json;
 }
 
+// Everything about a run but its frames.
 Json run_json(const AlgorithmRun& run, const BenchDocument& document)
 {
     const Summary summary = summarise(run);
-    Json frames = Json::array();
-    for (const FrameFigures& frame : run.frames) {
-        frames.push_back(frame_json(frame));
-    }
     return {{"algorithm", run.algorithm},
             {"hierarchy", run.hierarchy},
             {"device", document.device},
@@ -85,24 +91,41 @@ Json run_json(const AlgorithmRun& run, const BenchDocument& document)
             {"guarantee", to_string(run.guarantee)},
             {"frame_ms", distribution_json(summary.frame_ms)},
             {"speedup_vs_frustum", number(summary.speedup_vs_frustum)},
+            {"slowest_vs_frustum", number(summary.slowest_vs_frustum)},
             {"ratio_to_opt", number(summary.ratio_to_opt)},
             {"ratio_to_ideal", number(summary.ratio_to_ideal)},
             {"per_frame",
-             counters_json(summary.total, summary.wait_ms, summary.cull_cpu_ms,
+             counters_json(summary.total, summary.wait_ms, summary.read_ms, summary.cull_cpu_ms,
                            [&](uint64_t count) { return number(summary.per_frame(count)); })},
             {"overdraw_items_vs_exact", number(summary.overdraw_items_vs_exact)},
             {"differing_pixels", if_verified(summary.verified, summary.differing_pixels)},
             {"differing_frames", if_verified(summary.verified, summary.differing_frames)},
             {"tied_pixels", if_verified(summary.verified, summary.tied_pixels)},
+            {"compared_frames", summary.compared_frames},
             {"decision_hash", hash_text(summary.decision_hash)},
-            {"frames", std::move(frames)}};
+            {"decision_hash_reproducible", document.deterministic() || !run.polled}};
 }
 
-Json document_json(const BenchDocument& document)
+Json preparation_json(const Preparation& preparation)
+{
+    return {{"load_seconds", number(preparation.load_seconds)},
+            {"hierarchy_seconds", number(preparation.hierarchy_seconds)},
+            {"tree_update_ms", number(preparation.tree_update_ms)},
+            {"uncut_triangles", preparation.uncut_triangles}};
+}
+
+Json document_json(const BenchDocument& document, Detail detail)
 {
     Json runs = Json::array();
     for (const AlgorithmRun& run : document.runs) {
-        runs.push_back(run_json(run, document));
+        Json json = run_json(run, document);
+        if (detail == Detail::frames) {
+            json["frames"] = Json::array();
+            for (const FrameFigures& frame : run.frames) {
+                json["frames"].push_back(frame_json(frame));
+            }
+        }
+        runs.push_back(std::move(json));
     }
     return {{"version", 1},
             {"scene",
@@ -111,27 +134,53 @@ Json document_json(const BenchDocument& document)
               {"items", document.items},
               {"triangles", document.triangles}}},
             {"device",
-             {{"name", document.device}, {"api", document.api}, {"renderer", document.renderer}}},
+             {{"name", document.device},
+              {"api", document.api},
+              {"renderer", document.renderer},
+              {"deterministic", document.deterministic()}}},
+            {"hierarchy", document.hierarchy},
+            {"leaf_triangles", document.leaf_triangles},
+            {"item_triangles", document.item_triangles},
+            {"split", document.split},
+            {"sets", document.sets},
+            {"preparation", preparation_json(document.preparation)},
             {"path", document.path},
             {"size", {document.size.x, document.size.y}},
             {"samples", document.samples},
             {"frames", document.frames},
             {"repeat", document.repeat},
+            {"sample_every", document.sample_every},
             {"runs", std::move(runs)}};
+}
+
+// Names come from files: bytes that are not UTF-8 are replaced, never thrown about.
+std::string to_text(const Json& json)
+{
+    constexpr int kIndent = 1;
+    return json.dump(kIndent, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 } // namespace
 
 std::string json_report(std::span<const BenchDocument> documents)
 {
-    constexpr int kIndent = 1;
     Json json = Json::array();
     for (const BenchDocument& document : documents) {
-        json.push_back(document_json(document));
+        json.push_back(document_json(document, Detail::frames));
     }
-    // Names come from files: bytes that are not UTF-8 are replaced, never thrown about.
-    const Json& top = documents.size() == 1 ? json[0] : json;
-    return top.dump(kIndent, ' ', false, Json::error_handler_t::replace) + "\n";
+    return to_text(documents.size() == 1 ? json[0] : json);
+}
+
+std::string suite_report(const std::string& suite, const std::string& scale,
+                         std::span<const BenchDocument> documents)
+{
+    Json json = {{"version", 1}, {"suite", suite}, {"scale", scale}, {"documents", Json::array()}};
+    for (const BenchDocument& document : documents) {
+        Json entry = {{"entry", document.entry}, {"date", document.date}};
+        entry.update(document_json(document, Detail::sums));
+        json["documents"].push_back(std::move(entry));
+    }
+    return to_text(json);
 }
 
 } // namespace occlude::tools

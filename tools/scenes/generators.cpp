@@ -316,6 +316,9 @@ std::span<const GeneratorInfo> generators()
 Result<SceneModel> load_scene(const std::string& source, const SceneOptions& options)
 {
     auto model = make_scene(source, options);
+    if (model) {
+        model->uncut_triangles = drawn_triangles(*model);
+    }
     if (model && options.split == SceneOptions::Split::exact) {
         for (Mesh& mesh : model->meshes) {
             split_mesh_exactly(mesh, std::max(options.item_triangles, 1u), options.cache_folder);

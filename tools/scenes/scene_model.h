@@ -59,6 +59,8 @@ struct SceneModel {
     std::vector<NamedPath> paths;
     /// How the instances move from frame to frame of a path; empty if they stand still.
     Motion motion;
+    /// Triangles of all instances before meshes were cut into items; load_scene() notes them.
+    uint64_t uncut_triangles = 0;
 
     /// What one item draws.
     struct Item {

@@ -56,6 +56,7 @@ CpuDevice::CpuDevice(const CpuScene& scene, const CpuDeviceOptions& options)
     caps_.name = "cpu";
     caps_.draw_and_query = true;
     caps_.read_depth = true;
+    caps_.samples_at_pixel_centers = true;
     caps_.max_outstanding = options.max_outstanding;
     caps_.methods = {{.method = TestMethod::queries,
                       .us_per_batch = 0.1f,

@@ -83,6 +83,9 @@ void GlDevice::begin_frame(const View& view)
     parts_->tests->set_view(view);
     mode_ = Mode::drawing;
     scene_.begin_frame(view);
+    GLint samples = 0;
+    glGetIntegerv(GL_SAMPLES, &samples);
+    caps_.samples_at_pixel_centers = samples <= 1;
 }
 
 // Gives the state back to the engine.

@@ -14,7 +14,11 @@
 //             texels, and with refinement at few more unless the rectangle's border decides.
 #pragma once
 
+#include <occlude/core/aabb.h>
+#include <occlude/core/kernel.h>
+#include <occlude/core/projection.h>
 #include <occlude/core/query_device.h>
+#include <occlude/core/screen_box.h>
 
 #include <glm/vec2.hpp>
 
@@ -23,6 +27,14 @@
 #include <vector>
 
 namespace occlude {
+
+namespace detail {
+struct PyramidLevel {
+    glm::ivec2 size;
+    size_t first; ///< of its texels, row by row from the bottom
+};
+struct TexelRange;
+} // namespace detail
 
 class DepthPyramid {
 public:
@@ -36,7 +48,7 @@ public:
     std::span<float> resize(glm::ivec2 size_px);
 
     /// Makes the coarse levels from level 0.
-    void build();
+    void build(Kernel kernel = Kernel::simd);
 
     bool empty() const { return levels_.empty(); }
     glm::ivec2 size_px() const { return empty() ? glm::ivec2{0} : levels_[0].size; }
@@ -47,33 +59,40 @@ public:
     bool hides(const PixelRect& rect, float nearest,
                Refinement refinement = Refinement::pixels) const;
 
+    /// The same of a box instead of its rectangle, as far as at most `most_texels` texels decide it:
+    /// true only if every sample of anything in the box is farther than its pixel. `rect` is that of
+    /// the box's ScreenBounds.
+    bool hides(const ScreenBox& box, const PixelRect& rect, uint32_t most_texels) const;
+
+    /// Writes 1 to hidden[i] where the bounds are valid and hides(rect, near_depth, refinement), else
+    /// 0, with either kernel. Precondition: hidden.size() == bounds.size().
+    void hides(std::span<const ScreenBounds> bounds, Refinement refinement,
+               std::span<uint8_t> hidden, Kernel kernel = Kernel::simd) const;
+
+    /// The same for boxes in the world, none of which needs to be inflated: project_boxes, then the
+    /// comparison. Preconditions: the depth is that of `view`; hidden.size() == boxes.size().
+    /// Nothing is hidden in a view of another size than the pyramid's.
+    void hides(const View& view, std::span<const Aabb> boxes, Refinement refinement,
+               std::span<uint8_t> hidden, Kernel kernel = Kernel::simd) const;
+
     /// The farthest depth in `rect`, or more: the bound that the coarse level gives. 0 where `rect`
     /// misses the target.
     float farthest_bound(const PixelRect& rect) const;
 
 private:
-    struct Level {
-        glm::ivec2 size;
-        size_t first; ///< into texels_
-    };
-    /// Pixels or texels from low to high, both included.
-    struct Range {
-        glm::ivec2 low;
-        glm::ivec2 high;
-    };
-
     float texel(int level, int x, int y) const
     {
-        const Level& l = levels_[static_cast<size_t>(level)];
+        const detail::PyramidLevel& l = levels_[static_cast<size_t>(level)];
         return texels_[l.first + static_cast<size_t>(y) * static_cast<size_t>(l.size.x) +
                        static_cast<size_t>(x)];
     }
-    bool clip(const PixelRect& rect, Range& pixels) const;
-    int coarse_level(const Range& pixels) const;
-    bool texel_hides(int level, glm::ivec2 at, const Range& pixels, float nearest) const;
+    bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
+                     float nearest) const;
+    bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
+                     const ScreenBox& box, uint32_t& texels_left) const;
 
-    std::vector<Level> levels_;
-    std::vector<float> texels_; ///< all levels, level 0 first
+    std::vector<detail::PyramidLevel> levels_;
+    std::vector<float> texels_; ///< all levels, level 0 first, and some that are never looked at
 };
 
 } // namespace occlude

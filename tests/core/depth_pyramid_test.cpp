@@ -1,4 +1,4 @@
-#include <occlude/cull/depth_pyramid.h>
+#include <occlude/core/depth_pyramid.h>
 
 #include <occlude/core/rng.h>
 

@@ -1,0 +1,40 @@
+// What the projection of boxes to the screen needs of a view, and the projection itself, twice.
+#pragma once
+
+#include <occlude/core/projection.h>
+#include <occlude/core/view.h>
+
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+
+#include <array>
+#include <span>
+
+namespace occlude::detail {
+
+/// A view as rows that map a point to (x, y, depth, 1) * w, x and y in pixels and depth from 0
+/// (near) to 1 (far), and how far a device and we ourselves may be off. See projection.cpp.
+struct BoxProjector {
+    explicit BoxProjector(const View& view);
+
+    /// The specification of project() and project_boxes().
+    ScreenBounds project(const Aabb& box) const;
+
+    /// Beyond this much rounding (NaN included) nothing is certain, and at less than this w no
+    /// quotient: between them no result overflows.
+    static constexpr float kLargestSlop = 0x1p40f;
+    static constexpr float kSmallestW = 0x1p-60f;
+
+    std::array<glm::vec4, 4> column{}; ///< what one unit of x, y and z adds, and the origin
+    std::array<glm::vec4, 4> slop{};   ///< the same of the possible error, of coordinates >= 0
+    Inflation inflation;
+    glm::vec2 size{0.0f};
+    ScreenBounds everywhere; ///< of a box of which nothing is known
+    bool usable = false;     ///< there is a near plane, and something is known of the view
+};
+
+/// Writes p.project(boxes[i]) to bounds[i], several boxes at once.
+void project_boxes_simd(const BoxProjector& p, std::span<const Aabb> boxes,
+                        std::span<ScreenBounds> bounds);
+
+} // namespace occlude::detail

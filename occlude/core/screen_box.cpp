@@ -1,0 +1,132 @@
+#include <occlude/core/screen_box.h>
+
+#include <occlude/core/projection.h>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec4.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace occlude {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// A device transforms in float, perhaps to world space first: so many roundings of the largest term
+// lie between its coordinates and ours.
+constexpr double kTransformSlop = 8.0 * 0x1p-24;
+
+// A face seen so edge-on that its depth changes by more than this over the screen bounds nothing:
+// its plane would be a matter of rounding.
+constexpr double kSteepest = 1e7;
+
+} // namespace
+
+ScreenSpace::ScreenSpace(const View& view, SamplePositions samples)
+    : view_(view)
+{
+    if (samples == SamplePositions::center) {
+        sample_from_ = 0.5;
+        sample_to_ = 0.5;
+    }
+    const glm::dmat4 clip{view.clip_from_world()};
+    const ClipConvention convention = view.convention();
+    const bool reversed = convention.order == DepthOrder::near_is_large;
+    const bool symmetric = convention.range == DepthRange::minus_one_to_one;
+
+    // Normalised depth is a * window depth + b.
+    double a = reversed ? -1.0 : 1.0;
+    double b = reversed ? 1.0 : 0.0;
+    if (symmetric) {
+        a = 2.0 * a;
+        b = 2.0 * b - 1.0;
+    }
+    const glm::dvec2 size{view.size_px()};
+    const glm::dmat4 clip_from_screen{{2.0 / size.x, 0.0, 0.0, 0.0},
+                                      {0.0, 2.0 / size.y, 0.0, 0.0},
+                                      {0.0, 0.0, a, 0.0},
+                                      {-1.0, -1.0, b, 1.0}};
+    world_from_screen_ = glm::inverse(clip) * clip_from_screen;
+    screen_rows_ = glm::transpose(clip);
+    screen_rows_[2] = (screen_rows_[2] - b * screen_rows_[3]) / a;
+}
+
+ScreenBox::ScreenBox(const ScreenSpace& screen, const Aabb& box)
+{
+    const Aabb grown = screen.view_.inflated_for_test(box);
+    const glm::dvec3 low{grown.min};
+    const glm::dvec3 high{grown.max};
+    const glm::dvec2 size{screen.view_.size_px()};
+
+    // What a device may be off by at the nearest point of the box.
+    const glm::dvec4 reach{glm::max(glm::abs(low), glm::abs(high)), 1.0};
+    const glm::dmat4& rows = screen.screen_rows_;
+    const auto slop = [&](int row) {
+        return kTransformSlop * glm::dot(glm::abs(rows[row]), reach);
+    };
+    const glm::dvec3 w_axis{rows[3]};
+    const double nearest_w = glm::dot(w_axis, 0.5 * (low + high)) + rows[3].w -
+                             glm::dot(glm::abs(w_axis), 0.5 * (high - low));
+    if (!(nearest_w > 2.0 * slop(3))) {
+        return; // nothing is known: nearest_over() says so
+    }
+    known_ = true;
+    const double w = nearest_w - slop(3);
+    depth_error_ = double{ScreenBounds::kDepthMargin} + (slop(2) + slop(3)) / w;
+    const double outset_px =
+        0.5 * std::max(size.x * (slop(0) + slop(3)), size.y * (slop(1) + slop(3))) / w;
+    from_px_ = screen.sample_from_ - outset_px;
+    to_px_ = screen.sample_to_ + outset_px;
+
+    // World position is (X, Y, Z) / W, linear functions of (x px, y px, depth, 1), and W > 0 before
+    // the eye. The lower face of an axis is X - min W >= 0, the upper one max W - X >= 0.
+    const glm::dmat4 world_rows = glm::transpose(screen.world_from_screen_);
+    const glm::dvec4 world_w = world_rows[3];
+    for (int face = 0; face < 6; ++face) {
+        const int axis = face / 2;
+        const glm::dvec4 inside = face % 2 == 0 ? world_rows[axis] - low[axis] * world_w
+                                                : high[axis] * world_w - world_rows[axis];
+        const double across =
+            std::abs(inside.x) * size.x + std::abs(inside.y) * size.y + std::abs(inside.w);
+        if (!(std::abs(inside.z) * kSteepest > across)) {
+            continue;
+        }
+        const Plane plane{-inside.x / inside.z, -inside.y / inside.z, -inside.w / inside.z};
+        if (inside.z > 0.0) {
+            planes_[static_cast<size_t>(entries_++)] = plane;
+        } else {
+            planes_[static_cast<size_t>(5 - exits_++)] = plane;
+        }
+    }
+}
+
+double ScreenBox::nearest_over(glm::ivec2 low, glm::ivec2 high) const
+{
+    if (!known_) {
+        return -kInfinity;
+    }
+    const glm::dvec2 from = glm::dvec2{low} + from_px_;
+    const glm::dvec2 to = glm::dvec2{high} + to_px_;
+    // The first depth at which some ray of the block can be inside of all entries, and the last at
+    // which some ray has not left by any exit.
+    double entry = -kInfinity;
+    for (int i = 0; i < entries_; ++i) {
+        const Plane& p = planes_[static_cast<size_t>(i)];
+        entry = std::max(entry, p.at_origin + p.dx * (p.dx > 0.0 ? from.x : to.x) +
+                                    p.dy * (p.dy > 0.0 ? from.y : to.y));
+    }
+    double exit = kInfinity;
+    for (int i = 0; i < exits_; ++i) {
+        const Plane& p = planes_[static_cast<size_t>(5 - i)];
+        exit = std::min(exit, p.at_origin + p.dx * (p.dx > 0.0 ? to.x : from.x) +
+                                  p.dy * (p.dy > 0.0 ? to.y : from.y));
+    }
+    return entry - depth_error_ > exit + depth_error_ ? kInfinity : entry - depth_error_;
+}
+
+} // namespace occlude

@@ -1,0 +1,318 @@
+// The part of `adaptive` that tests by the device: rounds of tests, each for what the last one
+// revealed, and tests of what is drawn whose answers are for the next frame.
+#include <occlude/cull/adaptive.h>
+
+#include <occlude/core/rng.h>
+
+#include <algorithm>
+#include <array>
+
+namespace occlude {
+
+namespace {
+
+using State = HierarchyCut::State;
+using Scope = HierarchyCut::Scope;
+
+// What a test of something visible may gain is divided by the depth complexity. Guthe, Balazs and
+// Klein take 3; on the devices of adaptive_costs_test.cpp less is better.
+constexpr double kDepthComplexity = 1.5;
+
+// Rounds of one test and of so many measure a method, each so often.
+constexpr size_t kMeasuredTests = 16;
+constexpr int kMeasuredRounds = 3;
+
+// Below this much drawing a frame says nothing about its cost.
+constexpr double kLeastSample = 256.0;
+
+// A method whose hint costs so many times the best is not worth measuring.
+constexpr double kHopeless = 4.0;
+
+} // namespace
+
+// --- what was drawn, tested for the next frame ---------------------------------------------------
+
+// Reads the answers that are there by now; the others wait on.
+void Adaptive::take_late_answers(CullFrame& frame)
+{
+    found_hidden_.clear();
+    std::erase_if(late_, [&](const LateTest& test) {
+        const Answer answer = frame.poll(test.ticket);
+        if (!is_visible(answer, 0) && answer.state == AnswerState::ready) {
+            found_hidden_.push_back(test.node);
+        }
+        return answer.state != AnswerState::pending;
+    });
+    std::sort(found_hidden_.begin(), found_hidden_.end());
+}
+
+// QueryReasonable for what is visible: the longer ago its last test, the sooner it pays again.
+bool Adaptive::retest_reasonable(const CullFrame& frame, const Candidate& candidate)
+{
+    const Node& node = hierarchy().node(candidate.entry.node);
+    const ScreenBounds bounds = project(frame.view(), node.box);
+    if (!bounds.valid || frame.near(candidate.entry.node)) {
+        return false;
+    }
+    const double share = coverage_.share(bounds);
+    const double covered = coverage_.chance_covered(share);
+    coverage_.drew(share);
+    const double test_us = costs_.round(method_).us_per_test;
+    const double benefit_us =
+        0.5 * covered * covered * (costs_.draw_us(node) - test_us) / kDepthComplexity;
+    const auto age = static_cast<double>(frame.stamp() - candidate.entry.tested);
+    return test_us < age * benefit_us;
+}
+
+void Adaptive::retest_by_device(CullFrame& frame)
+{
+    batch_.clear();
+    coverage_.start_frame(frame.view().size_px());
+    const size_t first = late_.size();
+    for (Candidate& candidate : expected_) {
+        const size_t room = frame.caps().max_outstanding;
+        if (late_.size() < room && retest_reasonable(frame, candidate)) {
+            batch_.add_box(frame.test_box(candidate.entry.node), candidate.entry.node);
+            batch_.end_test();
+            late_.push_back({Ticket{}, candidate.entry.node});
+            candidate.entry.tested = frame.stamp();
+        }
+        keep_visible(candidate.entry);
+    }
+    if (batch_.empty()) {
+        return;
+    }
+    frame.query(batch_, tickets_, method_);
+    for (size_t i = 0; i < tickets_.size(); ++i) {
+        late_[first + i].ticket = tickets_[i];
+    }
+    const RoundCost cost = costs_.round(method_);
+    tests_ += static_cast<double>(tickets_.size());
+    spent_us_ += cost.of(static_cast<double>(tickets_.size()));
+}
+
+// --- rounds --------------------------------------------------------------------------------------
+
+void Adaptive::draw_untested(CullFrame& frame, const Candidate& candidate)
+{
+    draw_entry(frame, candidate, Decision::drawn);
+    keep_visible(candidate.entry);
+}
+
+// A leaf that a test revealed is drawn; of an inner node the parts are tested next.
+void Adaptive::open_for_next_round(CullFrame& frame, const Candidate& candidate)
+{
+    if (candidate.entry.scope == Scope::own_items || is_terminal(candidate.entry.node)) {
+        Candidate drawn = candidate;
+        drawn.entry.tested = frame.stamp();
+        draw_entry(frame, drawn, Decision::drawn_revealed);
+        keep_visible(drawn.entry);
+        return;
+    }
+    add_children(frame, candidate, next_round_);
+}
+
+// Leaves in `round_` what will be tested: of the candidates in the frustum, those that a test may
+// see and that are worth one. The near ones are opened until their parts can be tested.
+void Adaptive::collect_round(CullFrame& frame, bool first_round)
+{
+    round_.clear();
+    while (!candidates_.empty()) {
+        Candidate candidate = candidates_.back();
+        candidates_.pop_back();
+        const NodeId node = candidate.entry.node;
+        if (!first_round && !frame.visit(node, candidate.mask)) {
+            candidate.entry.state = State::outside;
+            cut_.keep(candidate.entry);
+            continue;
+        }
+        const double chance = candidate.entry.state == State::hidden ? 1.0 : hidden_share_;
+        if (frame.near(node)) {
+            if (candidate.entry.scope == Scope::own_items || is_terminal(node)) {
+                draw_entry(frame, candidate, Decision::drawn_near);
+                keep_visible(candidate.entry);
+            } else {
+                next_round_.clear();
+                add_children(frame, candidate, next_round_);
+                for (Candidate& child : next_round_) {
+                    if (frame.visit(child.entry.node, child.mask)) {
+                        candidates_.push_back(child);
+                    } else {
+                        child.entry.state = State::outside;
+                        cut_.keep(child.entry);
+                    }
+                }
+                next_round_.clear();
+            }
+        } else if (!worth_testing(node, chance)) {
+            draw_untested(frame, candidate);
+        } else {
+            round_.push_back(candidate);
+        }
+    }
+    // What all of them may hide must be worth the wait for one more round.
+    double hidden_us = 0.0;
+    for (const Candidate& candidate : round_) {
+        hidden_us += hidden_share_ * costs_.draw_us(hierarchy().node(candidate.entry.node));
+    }
+    const double round_us = costs_.round(method_).of(static_cast<double>(round_.size()));
+    if (!first_round && hidden_us < round_us) {
+        for (const Candidate& candidate : round_) {
+            draw_untested(frame, candidate);
+        }
+        round_.clear();
+    }
+}
+
+// Long-hidden nodes share a query, the others have their own; flags cost the same for each box.
+void Adaptive::group_round(CullFrame& frame)
+{
+    groups_.clear();
+    batch_.clear();
+    keep_.clear();
+    if (method_ == TestMethod::queries) {
+        const auto age = [](const Candidate& c) {
+            return c.alone ? -1 : int{c.entry.frames_hidden};
+        };
+        std::stable_sort(round_.begin(), round_.end(),
+                         [&](const Candidate& a, const Candidate& b) { return age(a) > age(b); });
+        double last = 1.0;
+        for (const Candidate& candidate : round_) {
+            if (candidate.alone) {
+                break; // they come last
+            }
+            // The measured table need not be monotonic; the greedy choice wants it so.
+            last = std::min(last, keep_table_.keep_probability(candidate.entry.frames_hidden));
+            keep_.push_back(last);
+        }
+    }
+    for (uint32_t first = 0; first < round_.size();) {
+        uint32_t count = 1;
+        if (method_ == TestMethod::queries && !round_[first].alone) {
+            count = static_cast<uint32_t>(
+                best_multiquery_size(std::span<const double>{keep_}.subspan(first)));
+        }
+        for (uint32_t i = first; i < first + count; ++i) {
+            const NodeId node = round_[i].entry.node;
+            batch_.add_box(frame.test_box(node), node);
+        }
+        batch_.end_test();
+        groups_.push_back({first, count});
+        frame.counters().multiqueries += count > 1 ? 1 : 0;
+        first += count;
+    }
+}
+
+// Learns from an answer that speaks for one candidate.
+void Adaptive::note_answer(const Candidate& candidate, bool found_hidden)
+{
+    if (candidate.entry.state == State::hidden) {
+        keep_table_.record(candidate.entry.frames_hidden, found_hidden);
+    } else {
+        note_first_answer(found_hidden);
+    }
+}
+
+void Adaptive::take_answers(CullFrame& frame)
+{
+    for (size_t i = 0; i < groups_.size(); ++i) {
+        const Group group = groups_[i];
+        const bool visible = is_visible(frame.wait(tickets_[i]), 0);
+        frame.counters().multiqueries_failed += visible && group.count > 1 ? 1 : 0;
+        for (uint32_t k = group.first; k < group.first + group.count; ++k) {
+            Candidate& candidate = round_[k];
+            if (!visible) {
+                note_answer(candidate, true);
+                keep_hidden(frame, candidate.entry,
+                            group.count > 1 ? Decision::hidden_group : Decision::hidden);
+            } else if (group.count > 1) {
+                candidate.alone = true;
+                next_round_.push_back(candidate);
+            } else {
+                note_answer(candidate, false);
+                open_for_next_round(frame, candidate);
+            }
+        }
+    }
+}
+
+void Adaptive::by_device(CullFrame& frame)
+{
+    by_rounds(frame);
+    frame.flush_draws();
+    retest_by_device(frame);
+}
+
+void Adaptive::by_rounds(CullFrame& frame)
+{
+    for (bool first_round = true; !candidates_.empty(); first_round = false) {
+        collect_round(frame, first_round);
+        if (round_.empty()) {
+            break;
+        }
+        group_round(frame);
+        const double queued_us =
+            costs_.us_per_unit() * costs_.units(frame.queued_triangles(), frame.queued_items());
+        const double from = now();
+        frame.flush_draws();
+        next_round_.clear();
+        frame.query(batch_, tickets_, method_);
+        take_answers(frame);
+        if (clock_ && !first_round && groups_.size() >= kMeasuredTests) {
+            costs_.tested(method_, groups_.size(), std::max(now() - from - queued_us, 0.0));
+        }
+        tests_ += static_cast<double>(groups_.size());
+        spent_us_ += costs_.round(method_).of(static_cast<double>(groups_.size()));
+        if (first_round) {
+            note_drawing(frame);
+        }
+        measure_methods(frame, round_);
+        candidates_.swap(next_round_);
+    }
+}
+
+// The device is at rest: what did drawing cost?
+void Adaptive::note_drawing(CullFrame& frame)
+{
+    const FrameCounters& counters = frame.counters();
+    const double units = costs_.units(counters.triangles_drawn, counters.items_drawn);
+    if (clock_ && units >= kLeastSample) {
+        costs_.drew(units, std::max(now() - started_us_ - spent_us_, 0.0));
+    }
+}
+
+// The device is at rest: what do one test and a few more cost by each method that may be best?
+void Adaptive::measure_methods(CullFrame& frame, std::span<const Candidate> candidates)
+{
+    if (!clock_ || candidates.size() < kMeasuredTests ||
+        options_.method != AdaptiveOptions::Method::automatic) {
+        return;
+    }
+    const double us = costs_.round(method_).of(tests_last_frame_);
+    for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
+        if (!costs_.has(method) || costs_.rounds_measured(method) > 0 ||
+            costs_.round(method).of(tests_last_frame_) > kHopeless * us) {
+            continue;
+        }
+        if (method == TestMethod::pyramid) {
+            measure_read(frame);
+            continue;
+        }
+        for (int i = 0; i < 2 * kMeasuredRounds; ++i) {
+            const size_t count = i % 2 == 0 ? 1 : kMeasuredTests;
+            batch_.clear();
+            for (const Candidate& candidate : candidates.first(count)) {
+                batch_.add_box(frame.test_box(candidate.entry.node), candidate.entry.node);
+                batch_.end_test();
+            }
+            const double from = now();
+            frame.query(batch_, tickets_, method);
+            for (const Ticket ticket : tickets_) {
+                frame.wait(ticket);
+            }
+            costs_.tested(method, count, now() - from);
+        }
+    }
+}
+
+} // namespace occlude

@@ -1,0 +1,110 @@
+#include <occlude/cull/cost_model.h>
+
+#include <cmath>
+#include <limits>
+
+namespace occlude {
+
+namespace {
+
+// What a read-back and a test against it cost before anything was measured.
+constexpr RoundCost kPyramidHint{400.0, 0.1};
+
+// Frames must differ so much in their drawing before their difference says what drawing costs.
+constexpr double kApart = 4.0;
+
+// However noisy the samples, at least this part of the largest frame was drawing.
+constexpr double kLeastShare = 0.1;
+
+// As long as none did, drawing costs at most so many times the hint.
+constexpr double kOverHint = 4.0;
+
+} // namespace
+
+void RecentMedian::add(double sample)
+{
+    samples_[count_ % kSamples] = sample;
+    ++count_;
+}
+
+double RecentMedian::value() const
+{
+    std::array<double, kSamples> sorted = samples_;
+    const size_t count = std::min(count_, kSamples);
+    std::sort(sorted.begin(), sorted.begin() + static_cast<ptrdiff_t>(count));
+    return sorted[count / 2];
+}
+
+void CostModel::take_hints(const DeviceCaps& caps)
+{
+    if (hint_us_per_triangle_ == caps.us_per_triangle && hint_us_per_item_ == caps.us_per_item) {
+        return;
+    }
+    *this = CostModel{};
+    hint_us_per_triangle_ = caps.us_per_triangle;
+    hint_us_per_item_ = caps.us_per_item;
+    us_per_unit_ = caps.us_per_triangle;
+    triangles_per_item_ =
+        caps.us_per_triangle > 0.0f ? caps.us_per_item / caps.us_per_triangle : 0.0;
+    for (const TestCost& cost : caps.methods) {
+        Method& method = methods_[index(cost.method)];
+        method.available = caps.same_frame_results;
+        method.hint = {cost.us_per_batch, cost.us_per_test + cost.us_per_box};
+    }
+    // Tested here, not by the device: all it needs is the depth.
+    Method& pyramid = methods_[index(TestMethod::pyramid)];
+    pyramid.available = caps.read_depth;
+    pyramid.hint = kPyramidHint;
+}
+
+// The slope between the least and the most that was drawn. The largest frame's whole cost is a bound
+// on it, as no frame costs less than its pixels.
+void CostModel::drew(double units, double us)
+{
+    const auto bin = static_cast<size_t>(std::max(std::ilogb(std::max(units, 1.0)), 0));
+    Sample& sample = drawn_[std::min(bin, drawn_.size() - 1)];
+    sample.units.add(units);
+    sample.us.add(us);
+
+    const auto known = [](const Sample& s) { return !s.units.empty(); };
+    const Sample& least = *std::find_if(drawn_.begin(), drawn_.end(), known);
+    const Sample& most = *std::find_if(drawn_.rbegin(), drawn_.rend(), known);
+    const double bound = most.us.value() / most.units.value();
+    const double difference = most.units.value() - least.units.value();
+    if (most.units.value() >= kApart * least.units.value()) {
+        const double slope = (most.us.value() - least.us.value()) / difference;
+        us_per_unit_ = std::clamp(slope, kLeastShare * bound, bound);
+    } else {
+        us_per_unit_ = std::min(kOverHint * double{hint_us_per_triangle_}, bound);
+    }
+}
+
+RoundCost CostModel::round(TestMethod which) const
+{
+    const Method& method = methods_[index(which)];
+    if (!method.available) {
+        constexpr double kNever = std::numeric_limits<double>::infinity();
+        return {kNever, kNever};
+    }
+    RoundCost cost = method.hint;
+    if (!method.us_per_test.empty()) {
+        cost.us_per_test = method.us_per_test.value();
+    }
+    if (!method.small_round_us.empty()) {
+        cost.us_per_round = method.small_round_us.value();
+    }
+    return cost;
+}
+
+void CostModel::tested(TestMethod which, size_t tests, double us)
+{
+    Method& method = methods_[index(which)];
+    if (tests <= kSmallRound) {
+        method.small_round_us.add(us);
+    } else if (!method.small_round_us.empty()) {
+        const double beyond = us - method.small_round_us.value();
+        method.us_per_test.add(std::max(beyond, 0.0) / static_cast<double>(tests - kSmallRound));
+    }
+}
+
+} // namespace occlude

@@ -1,0 +1,18 @@
+#include <occlude/cull/hierarchy_cut.h>
+
+namespace occlude {
+
+void HierarchyCut::reset(const Hierarchy& hierarchy)
+{
+    next_.clear();
+    entries_.assign(1, Entry{hierarchy.root()});
+    quiet_below_.assign(hierarchy.nodes().size(), 0);
+}
+
+void HierarchyCut::clear()
+{
+    entries_.clear();
+    next_.clear();
+}
+
+} // namespace occlude

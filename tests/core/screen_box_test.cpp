@@ -1,0 +1,118 @@
+#include <occlude/core/screen_box.h>
+
+#include <occlude/core/projection.h>
+#include <occlude/core/rng.h>
+
+#include "core/projections.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace occlude {
+namespace {
+
+constexpr glm::ivec2 kSize{320, 200};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+View down_z(glm::ivec2 size = {100, 100})
+{
+    return View::from_clip(glm::perspectiveRH_NO(glm::radians(90.0f), 1.0f, 1.0f, 101.0f), size);
+}
+
+glm::dvec3 on_screen(const View& view, const glm::dvec3& p)
+{
+    const glm::dvec4 clip = glm::dmat4{view.clip_from_world()} * glm::dvec4{p, 1.0};
+    const ClipConvention convention = view.convention();
+    double z = clip.z / clip.w;
+    z = convention.range == DepthRange::minus_one_to_one ? 0.5 * z + 0.5 : z;
+    z = convention.order == DepthOrder::near_is_large ? 1.0 - z : z;
+    return {(0.5 * clip.x / clip.w + 0.5) * view.size_px().x,
+            (0.5 * clip.y / clip.w + 0.5) * view.size_px().y, z};
+}
+
+// A cube from 10 to 20 before the eye, to the right: at 45 degrees its left face is seen, too.
+TEST(ScreenBox, KnowsTheFacesOfABoxApart)
+{
+    const View view = down_z();
+    const Aabb box{{5.0f, -5.0f, -20.0f}, {10.0f, 5.0f, -10.0f}};
+    const ScreenBox screen_box{ScreenSpace{view}, box};
+    const auto depth = [](double d) { return 101.0 / 100.0 * (1.0 - 1.0 / d); };
+    // The front face is at 75 to 100 px; the left one narrows from 75 to 62.5 px.
+    EXPECT_NEAR(screen_box.nearest_over({85, 50}, {85, 50}), depth(10.0), 2e-3);
+    const double at_70 = screen_box.nearest_over({70, 50}, {70, 50}); // x = 5 at distance 12.2
+    EXPECT_NEAR(at_70, depth(5.0 / 0.42), 2e-3);
+    EXPECT_EQ(screen_box.nearest_over({60, 50}, {60, 50}), kInfinity);
+    // Beside the slanted lower edge of the left face, inside of the rectangle of the box.
+    EXPECT_EQ(screen_box.nearest_over({66, 28}, {66, 28}), kInfinity);
+    EXPECT_LE(project(view, box).rect.y, 28);
+}
+
+TEST(ScreenBox, SamplesInTheMiddleOfPixelsMissWhatOnlyGrazesThem)
+{
+    // The left face of the front is at 75.2 px: the middle of pixel 75 is in, that of 74 is not;
+    // the left side face reaches down to 62.6 px.
+    const View view = down_z();
+    const Aabb wall{{5.04f, -5.0f, -10.0f}, {10.0f, 5.0f, -10.0f}};
+    const ScreenBox anywhere{ScreenSpace{view}, wall};
+    const ScreenBox center{ScreenSpace{view, SamplePositions::center}, wall};
+    EXPECT_LT(anywhere.nearest_over({75, 50}, {75, 50}), 1.0);
+    EXPECT_LT(center.nearest_over({75, 50}, {75, 50}), 1.0);
+    const Aabb grazing{{5.14f, -5.0f, -10.0f}, {10.0f, 5.0f, -10.0f}}; // from 75.7 px on
+    EXPECT_LT(ScreenBox(ScreenSpace{view}, grazing).nearest_over({75, 50}, {75, 50}), 1.0);
+    EXPECT_EQ(ScreenBox(ScreenSpace(view, SamplePositions::center), grazing)
+                  .nearest_over({75, 50}, {75, 50}),
+              kInfinity);
+}
+
+// Over random views in every convention and random boxes: no point of a box is nearer than
+// nearest_over says of its pixel, and of any block of pixels around that.
+TEST(ScreenBox, NothingInABoxIsNearerThanItSays)
+{
+    Rng rng{11};
+    uint32_t tested = 0;
+    uint32_t tighter = 0;
+    for (const test::Projection& projection : test::all_projections()) {
+        const View view = View::from_clip(projection.clip_from_eye, kSize, projection.convention);
+        const ScreenSpace screen{view};
+        for (int i = 0; i < 400; ++i) {
+            const glm::vec3 low{rng.range(-40.0f, 40.0f), rng.range(-30.0f, 30.0f),
+                                rng.range(-90.0f, 0.0f)};
+            const Aabb box{low, low + glm::vec3{rng.range(0.0f, 20.0f), rng.range(0.0f, 20.0f),
+                                                rng.range(0.0f, 20.0f)}};
+            const ScreenBounds bounds = project(view, box);
+            if (!bounds.valid || bounds.rect.width == 0) {
+                continue;
+            }
+            const ScreenBox screen_box{screen, box};
+            for (int k = 0; k < 16; ++k) {
+                const glm::dvec3 inside{rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f),
+                                        rng.range(0.0f, 1.0f)};
+                const glm::dvec3 p =
+                    on_screen(view, glm::dvec3{box.min} + inside * glm::dvec3{box.extent()});
+                const glm::ivec2 pixel{std::floor(p.x), std::floor(p.y)};
+                if (pixel.x < 0 || pixel.y < 0 || pixel.x >= kSize.x || pixel.y >= kSize.y) {
+                    continue;
+                }
+                ++tested;
+                const double at_pixel = screen_box.nearest_over(pixel, pixel);
+                EXPECT_LE(at_pixel, p.z) << projection.name;
+                const glm::ivec2 more{rng.below(9), rng.below(9)};
+                EXPECT_LE(screen_box.nearest_over(pixel - more, pixel + more), at_pixel);
+                tighter += at_pixel > double{bounds.near_depth} + 1e-6 ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GT(tested, 2000u);
+    EXPECT_GT(tighter, tested / 4) << "no better than rectangles";
+}
+
+TEST(ScreenBox, OfWhatReachesTheEyeNothingIsKnown)
+{
+    const ScreenBox around{ScreenSpace{down_z()}, {glm::vec3{-5.0f}, glm::vec3{5.0f}}};
+    EXPECT_EQ(around.nearest_over({50, 50}, {50, 50}), -kInfinity);
+}
+
+} // namespace
+} // namespace occlude

@@ -1,0 +1,176 @@
+// `adaptive` on devices with other costs than this machine's: on each of them it must keep up with
+// the algorithm that suits it best, and never lose to frustum culling. The clock is the model's.
+#include <occlude/backends/cpu/cpu_device.h>
+#include <occlude/cull/frustum_culler.h>
+#include <occlude/cull/registry.h>
+#include <occlude/device/cost_model_device.h>
+#include <occlude/hierarchy/bvh_builder.h>
+
+#include "support/box_scene.h"
+#include "support/trees.h"
+
+#include <occlude/core/rng.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+namespace occlude {
+namespace {
+
+constexpr glm::ivec2 kSize{192, 108};
+constexpr uint32_t kTrianglesPerItem = 150;
+constexpr int kLearningFrames = 8;
+constexpr int kFrames = 60;
+
+// Rows of houses along streets, with smaller boxes in the yards.
+std::vector<ItemBounds> town()
+{
+    std::vector<ItemBounds> items;
+    Rng rng{7};
+    for (int x = -18; x < 18; ++x) {
+        for (int z = -18; z < 18; ++z) {
+            const glm::vec3 corner{10.0f * static_cast<float>(x), 0.0f,
+                                   10.0f * static_cast<float>(z)};
+            const float height = rng.range(5.0f, 12.0f);
+            items.push_back(
+                {{corner + glm::vec3{2.0f, 0.0f, 2.0f}, corner + glm::vec3{8.0f, height, 8.0f}},
+                 kTrianglesPerItem});
+            const glm::vec3 small =
+                corner + glm::vec3{rng.range(0.5f, 1.5f), 0.0f, rng.range(0.5f, 9.0f)};
+            items.push_back({{small, small + glm::vec3{0.4f, 1.0f, 0.4f}}, kTrianglesPerItem});
+        }
+    }
+    return items;
+}
+
+View in_the_street(int frame)
+{
+    const float t = 0.5f * static_cast<float>(frame);
+    return test::look({0.0f, 1.7f, 60.0f - t}, {8.0f, 1.7f, -100.0f - t}, kSize);
+}
+
+// High above, looking down: nothing hides anything.
+View from_above(int frame)
+{
+    const float t = 0.5f * static_cast<float>(frame);
+    return test::look({t, 260.0f, 1.0f}, {t, 0.0f, 0.0f}, kSize);
+}
+
+// A town seen along a path, on a device with these costs: the seconds that each algorithm takes.
+class Model {
+public:
+    explicit Model(const DeviceCosts& costs)
+        : costs_(costs)
+        , bounds_(town())
+        , tree_(build_bvh(bounds_, {.leaf_triangles = 0}))
+        , scene_(bounds_)
+        , triangles_(bounds_.size(), kTrianglesPerItem)
+    {
+    }
+
+    /// The seconds that all frames but the first take, in which `adaptive` learns. Every image is
+    /// compared with that of frustum culling.
+    double seconds(const std::string& algorithm, View (*camera)(int), FramePlan* last = nullptr)
+    {
+        CpuDevice cpu(scene_);
+        CpuDevice reference_device(scene_);
+        FrustumCuller reference{tree_};
+        CostModelDevice device{cpu, costs_, triangles_};
+        auto culler = make_culler(algorithm, tree_, {}, [&device] { return device.seconds(); });
+        EXPECT_TRUE(culler);
+        double learnt = 0.0;
+        for (int frame = 0; frame < kLearningFrames + kFrames; ++frame) {
+            learnt = frame == kLearningFrames ? device.seconds() : learnt;
+            const FrameReport report = (*culler)->cull(camera(frame), device);
+            reference.cull(camera(frame), reference_device);
+            EXPECT_TRUE(std::ranges::equal(cpu.depth(), reference_device.depth()))
+                << algorithm << " frame " << frame;
+            if (last != nullptr) {
+                *last = report.plan;
+            }
+        }
+        return device.seconds() - learnt;
+    }
+
+private:
+    DeviceCosts costs_;
+    std::vector<ItemBounds> bounds_;
+    Hierarchy tree_;
+    test::BoxCpuScene scene_;
+    std::vector<uint32_t> triangles_;
+};
+
+struct Profile {
+    const char* name;
+    DeviceCosts costs;
+};
+
+std::vector<Profile> profiles()
+{
+    DeviceCosts free_queries;
+    free_queries.per_batch = 0.5;
+    free_queries.per_test = 0.02;
+    free_queries.per_box = 0.0;
+    free_queries.latency = 0.0;
+    free_queries.per_depth_read = 20000.0;
+    DeviceCosts dear_queries;
+    dear_queries.per_test = 400.0;
+    DeviceCosts late_answers;
+    late_answers.latency = 2000.0;
+    late_answers.per_test = 2.0;
+    DeviceCosts dear_triangles;
+    dear_triangles.per_triangle = 2.0;
+    DeviceCosts no_pixels;
+    no_pixels.per_depth_read = 50000.0; // reading depth is out of the question
+    return {{"free queries", free_queries},
+            {"dear queries", dear_queries},
+            {"late answers", late_answers},
+            {"dear triangles", dear_triangles},
+            {"dear read-backs", no_pixels}};
+}
+
+class AdaptiveCosts : public testing::TestWithParam<Profile> {};
+
+TEST_P(AdaptiveCosts, KeepsUpWithTheBestFixedAlgorithmInAStreet)
+{
+    Model model(GetParam().costs);
+    double best = model.seconds("frustum", in_the_street);
+    const double frustum = best;
+    std::string best_name = "frustum";
+    for (const AlgorithmInfo& info : algorithms()) {
+        if (!info.exact || info.needs.visible_set || info.name == "adaptive") {
+            continue;
+        }
+        const double seconds = model.seconds(info.name, in_the_street);
+        if (seconds < best) {
+            best = seconds;
+            best_name = info.name;
+        }
+    }
+    FramePlan plan;
+    const double adaptive = model.seconds("adaptive", in_the_street, &plan);
+    RecordProperty("best", best_name);
+    EXPECT_LE(adaptive, 1.10 * best) << "best is " << best_name << " at " << best << " s; frustum "
+                                     << frustum << " s; adaptive: " << to_string(plan);
+    EXPECT_LT(best, 0.9 * frustum) << "the scene proves nothing";
+}
+
+TEST_P(AdaptiveCosts, LosesNothingToFrustumCullingWhereNothingIsHidden)
+{
+    Model model(GetParam().costs);
+    const double frustum = model.seconds("frustum", from_above);
+    FramePlan plan;
+    EXPECT_LE(model.seconds("adaptive", from_above, &plan), 1.01 * frustum) << to_string(plan);
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices, AdaptiveCosts, testing::ValuesIn(profiles()),
+                         [](const auto& info) {
+                             std::string name = info.param.name;
+                             std::erase_if(name, [](char c) { return c == ' ' || c == '-'; });
+                             return name;
+                         });
+
+} // namespace
+} // namespace occlude

@@ -1,0 +1,116 @@
+#include "suites/entries.h"
+
+namespace occlude::tools {
+
+namespace {
+
+// The two sizes of one experiment: the published one, and one for every day.
+struct Sizes {
+    std::string full;
+    std::string small;
+};
+
+SuiteEntry walk(Scale scale, std::string name, const Sizes& scene, std::string path,
+                std::string algorithms)
+{
+    SuiteEntry entry;
+    entry.name = std::move(name);
+    entry.scene = scale == Scale::full ? scene.full : scene.small;
+    entry.algorithms = std::move(algorithms);
+    entry.stage.path = std::move(path);
+    entry.stage.frames = 240;
+    // Papers leave their sizes out or had this one. In software each pixel is dear, as it was not
+    // on their hardware: larger images would measure shading, the same for all.
+    entry.stage.size = {640, 480};
+    // A frame without culling takes seconds at full scale, and 30 of them tell as much as 240.
+    entry.sample_every = scale == Scale::full ? 8 : 4;
+    entry.verify_every = scale == Scale::full ? 5 : 3;
+    return entry;
+}
+
+// Kovalcik, Sochor 2005: an axis-aligned BSP tree, and a still scene that is flown through.
+SuiteEntry statistical(Scale scale, std::string name, const Sizes& scene)
+{
+    SuiteEntry entry =
+        walk(scale, std::move(name), scene, "auto",
+             "frustum,stop_and_wait,statistical,chc_plus_plus,batch_and_wait,next_frame");
+    entry.stage.hierarchy = "bsp";
+    return entry;
+}
+
+// Kovalcik, Tobola 2006: the two-level tree over meshes that planes cut into parts.
+SuiteEntry two_level(Scale scale, std::string name, const Sizes& scene)
+{
+    SuiteEntry entry = walk(scale, std::move(name), scene, "auto",
+                            "frustum,stop_and_wait,two_level,chc_plus_plus");
+    entry.stage.hierarchy = "two_level";
+    entry.stage.split = "exact";
+    return entry;
+}
+
+// Hey, Tobler, Purgathofer 2001: cells of 32 pixels, and boxes of at most 1500 triangles. Smaller
+// ones serve lazy and busy better; `frustum` culls item by item and does not mind.
+SuiteEntry lazy_grid(Scale scale, std::string name, const Sizes& scene, std::string path,
+                     glm::ivec2 size)
+{
+    constexpr uint32_t kLeafTriangles = 128;
+    SuiteEntry entry = walk(scale, std::move(name), scene, std::move(path),
+                            "frustum,lazy_grid,lazy_grid:update=busy,chc_plus_plus");
+    entry.stage.size = size;
+    entry.stage.leaf_triangles = kLeafTriangles;
+    entry.stage.item_triangles = 512;
+    entry.stage.sets = {"lazy_grid.cell_size=32"};
+    return entry;
+}
+
+// Bittner, Mattausch, Wimmer 2008: CHC++ with and without its last two extensions.
+SuiteEntry chc_plus_plus(Scale scale, std::string name, const Sizes& scene, std::string path)
+{
+    SuiteEntry entry = walk(scale, std::move(name), scene, std::move(path),
+                            "frustum,stop_and_wait,chc,chc_plus_plus,"
+                            "chc_plus_plus:multiqueries=off:tight_bounds_depth=0");
+    entry.stage.leaf_triangles = 128; // many visible leaves are what CHC++ is about
+    return entry;
+}
+
+// Sekulic 2004: one test per object.
+SuiteEntry objects(Scale scale, std::string name, const Sizes& scene)
+{
+    return walk(scale, std::move(name), scene, "auto",
+                "frustum,batch_and_wait,next_frame,chc_plus_plus");
+}
+
+} // namespace
+
+std::vector<SuiteEntry> papers_entries(Scale scale)
+{
+    const Sizes plant{"plant:triangles=2m", "plant:triangles=200k"};
+    const Sizes library{"library", "library:triangles=1m"};
+    const Sizes teapots{"teapots:count=5000,triangles=6400", "teapots:count=1000,triangles=1000"};
+    const Sizes large_plant{"plant:triangles=13m", "plant:triangles=600k"};
+    const Sizes bunnies{"blobs:count=300,triangles=70k", "blobs:count=100,triangles=7k"};
+    const Sizes forest{"forest:triangles=1.7m", "forest:triangles=400k"};
+    const Sizes city{"city:triangles=34m,blocks=64", "city:triangles=4m,blocks=24"};
+    const Sizes vienna{"vienna", "vienna:triangles=1m"};
+    const glm::ivec2 low{640, 480};
+    const glm::ivec2 high{1280, 960};
+    return {statistical(scale, "plant_2m", plant),
+            statistical(scale, "library", library),
+            statistical(scale, "teapots", teapots),
+            two_level(scale, "plant_13m", large_plant),
+            two_level(scale, "bunnies", bunnies),
+            lazy_grid(scale, "forest_640", forest, "auto", low),
+            lazy_grid(scale, "forest_1280", forest, "auto", high),
+            lazy_grid(scale, "city_640", city, "street", low),
+            lazy_grid(scale, "city_1280", city, "street", high),
+            chc_plus_plus(scale, "city_street", city, "street"),
+            chc_plus_plus(scale, "city_rise", city, "rise"),
+            chc_plus_plus(scale, "vienna_street", vienna, "street"),
+            chc_plus_plus(scale, "vienna_rise", vienna, "rise"),
+            objects(scale, "boxes_12",
+                    {"boxcity:count=40000,triangles=12", "boxcity:count=4000,triangles=12"}),
+            objects(scale, "boxes_252",
+                    {"boxcity:count=40000,triangles=252", "boxcity:count=4000,triangles=252"})};
+}
+
+} // namespace occlude::tools

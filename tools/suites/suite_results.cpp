@@ -1,0 +1,165 @@
+#include "suites/suite_results.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <limits>
+
+namespace occlude::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Map>
+double figure_of(const Map& figures, std::string_view name)
+{
+    const auto found = figures.find(name);
+    return found != figures.end() ? found->second : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Numbers below `json` by the way to them, with dots between the keys. Lists are left out.
+void collect_numbers(const Json& json, const std::string& prefix,
+                     std::map<std::string, double, std::less<>>& figures)
+{
+    for (const auto& [key, value] : json.items()) {
+        if (value.is_number()) {
+            figures[prefix + key] = value.get<double>();
+        } else if (value.is_object()) {
+            collect_numbers(value, prefix + key + '.', figures);
+        }
+    }
+}
+
+RunResult read_run(const Json& json)
+{
+    RunResult run;
+    run.algorithm = json.at("algorithm").get<std::string>();
+    run.guarantee = json.at("guarantee").get<std::string>();
+    collect_numbers(json, "", run.figures);
+    return run;
+}
+
+EntryResult read_entry(const Json& json)
+{
+    EntryResult entry;
+    entry.name = json.at("entry").get<std::string>();
+    entry.date = json.at("date").get<std::string>();
+    entry.scene = json.at("scene").at("name").get<std::string>();
+    entry.path = json.at("path").get<std::string>();
+    entry.size =
+        fmt::format("{} x {}", json.at("size").at(0).get<int>(), json.at("size").at(1).get<int>());
+    entry.hierarchy = json.at("hierarchy").get<std::string>();
+    entry.device = fmt::format("{}: {}", json.at("device").at("api").get<std::string>(),
+                               json.at("device").at("renderer").get<std::string>());
+    entry.split = json.at("split").get<std::string>();
+    entry.sets = json.at("sets").get<std::vector<std::string>>();
+    collect_numbers(json, "", entry.figures);
+    for (const Json& run : json.at("runs")) {
+        entry.runs.push_back(read_run(run));
+    }
+    return entry;
+}
+
+Error not_results(const std::string& file, const std::string& why)
+{
+    return {ErrorCode::bad_data,
+            fmt::format("{}: these are no results of a suite ({}); give a file that 'occlude bench "
+                        "--suite NAME --json FILE' wrote",
+                        file, why)};
+}
+
+std::string name_of(const Json& document)
+{
+    return document.at("entry").get<std::string>();
+}
+
+const Json* find_document(const Json& results, const std::string& name)
+{
+    for (const Json& document : results.at("documents")) {
+        if (name_of(document) == name) {
+            return &document;
+        }
+    }
+    return nullptr;
+}
+
+} // namespace
+
+double RunResult::operator[](std::string_view figure) const
+{
+    return figure_of(figures, figure);
+}
+
+double EntryResult::operator[](std::string_view figure) const
+{
+    return figure_of(figures, figure);
+}
+
+const RunResult* EntryResult::run(std::string_view algorithm) const
+{
+    for (const RunResult& run : runs) {
+        if (run.algorithm == algorithm) {
+            return &run;
+        }
+    }
+    return nullptr;
+}
+
+const EntryResult* SuiteResults::entry(std::string_view name) const
+{
+    for (const EntryResult& entry : entries) {
+        if (entry.name == name) {
+            return &entry;
+        }
+    }
+    return nullptr;
+}
+
+Result<SuiteResults> parse_suite_results(const std::string& file, std::string_view text)
+{
+    try {
+        const Json json = Json::parse(text);
+        SuiteResults results;
+        results.suite = json.at("suite").get<std::string>();
+        results.scale = json.at("scale").get<std::string>();
+        for (const Json& document : json.at("documents")) {
+            results.entries.push_back(read_entry(document));
+        }
+        return results;
+    } catch (const Json::exception& error) {
+        return not_results(file, error.what());
+    }
+}
+
+Result<std::string> add_to_results(const std::string& file, std::string_view kept,
+                                   std::string_view measured, const std::vector<std::string>& names)
+{
+    try {
+        const Json old = Json::parse(kept);
+        Json results = Json::parse(measured);
+        for (const char* key : {"suite", "scale"}) {
+            if (old.at(key) != results.at(key)) {
+                return Error{ErrorCode::invalid_argument,
+                             fmt::format("{}: its {} is {}, not {}; give another file, or leave "
+                                         "--add away to replace it",
+                                         file, key, old.at(key).dump(), results.at(key).dump())};
+            }
+        }
+        Json documents = Json::array();
+        for (const std::string& name : names) {
+            const Json* document = find_document(results, name);
+            document = document != nullptr ? document : find_document(old, name);
+            if (document != nullptr) {
+                documents.push_back(*document);
+            }
+        }
+        results["documents"] = std::move(documents);
+        constexpr int kIndent = 1;
+        return results.dump(kIndent) + "\n";
+    } catch (const Json::exception& error) {
+        return not_results(file, error.what());
+    }
+}
+
+} // namespace occlude::tools
