@@ -101,7 +101,7 @@ std::vector<SuiteEntry> papers_entries(Scale scale)
     const Sizes library{"library", "library:books=10000"};
     const Sizes teapots{"teapots:count=5000,triangles=6400", "teapots:count=2000,triangles=1000"};
     const Sizes large_plant{"plant:triangles=13m", "plant:triangles=1200k"};
-    const Sizes bunnies{"bunnies", "bunnies:count=100,triangles=3500"};
+    const Sizes bunnies{"bunnies", "bunnies:count=100,triangles=7k"};
     const Sizes forest{"forest", "forest:triangles=600k"};
     const Sizes city{"city:triangles=34m,blocks=64", "city:triangles=4m,blocks=24"};
     const Sizes vienna{"vienna", "vienna:triangles=2m"};
@@ -110,8 +110,8 @@ std::vector<SuiteEntry> papers_entries(Scale scale)
     return {statistical(scale, "plant_2m", plant, 256),
             statistical(scale, "library", library, 1024),
             statistical(scale, "teapots", teapots, 1024),
-            two_level(scale, "plant_13m", large_plant, scale == Scale::full ? 2048 : 256),
-            two_level(scale, "bunnies", bunnies, scale == Scale::full ? 1000 : 50),
+            two_level(scale, "plant_13m", large_plant, scale == Scale::full ? 2048 : 512),
+            two_level(scale, "bunnies", bunnies, scale == Scale::full ? 1000 : 400),
             lazy_grid(scale, "forest_640", forest, "auto", low),
             lazy_grid(scale, "forest_1280", forest, "auto", high),
             lazy_grid(scale, "city_640", city, "street", low),
