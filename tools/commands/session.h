@@ -42,6 +42,7 @@ public:
 private:
     Session(SceneModel model, const StageOptions& options);
     Result<bool> make_renderer(std::ostream& notes);
+    Result<bool> choose_test();
     TwoLevelOptions two_level_options() const;
     void make_motion();
     Hierarchy build(std::span<const ItemBounds> items) const;
