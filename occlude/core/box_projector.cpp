@@ -169,11 +169,17 @@ ScreenBounds BoxProjector::project(const Aabb& box) const
 
 } // namespace detail
 
-ScreenBounds project_test_box(const View& view, const QueryBox& box)
+void project_query_boxes(const View& view, std::span<const QueryBox> boxes,
+                         std::span<ScreenBounds> bounds)
 {
-    const glm::mat4* world_from_box = box.world_from_box;
-    return detail::BoxProjector{view, world_from_box ? *world_from_box : glm::mat4{1.0f}}.project(
-        box.box);
+    OCCLUDE_ASSERT(boxes.size() == bounds.size(), "project_query_boxes needs one result per box");
+    const detail::BoxProjector from_world{view, glm::mat4{1.0f}};
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        const glm::mat4* world_from_box = boxes[i].world_from_box;
+        bounds[i] = world_from_box == nullptr
+                        ? from_world.project(boxes[i].box)
+                        : detail::BoxProjector{view, *world_from_box}.project(boxes[i].box);
+    }
 }
 
 ScreenBounds project(const View& view, const Aabb& box)

@@ -20,9 +20,7 @@ void PyramidTests::answer(const View& view, const QueryBatch& batch, std::vector
     }
     bounds_.resize(batch.boxes.size());
     hidden_.resize(batch.boxes.size());
-    std::ranges::transform(batch.boxes, bounds_.begin(), [&](const QueryBox& box) {
-        return project_test_box(view, box);
-    });
+    project_query_boxes(view, batch.boxes, bounds_);
     pyramid_.hides(bounds_, DepthPyramid::Refinement::pixels, hidden_);
 
     size_t begin = 0;

@@ -260,9 +260,9 @@ void ValidatingDevice::check_method(TestMethod method) const
     const bool there = method == TestMethod::automatic || methods.empty() ||
                        std::ranges::find(methods, method, &TestCost::method) != methods.end();
     if (!there) {
-        report("methods", "the batch names test method " +
-                              std::to_string(static_cast<int>(method)) +
-                              ", which caps.methods does not list: name one of those, or automatic");
+        report("methods",
+               "the batch names test method " + std::to_string(static_cast<int>(method)) +
+                   ", which caps.methods does not list: name one of those, or automatic");
     }
 }
 

@@ -212,7 +212,8 @@ TEST_P(GlMethodsTest, AlmostAllThatQueriesHideIsHiddenAndNothingElse)
             glm::mat4 projection = glm::perspectiveRH_ZO(1.0f, 161.0f / 97.0f, 0.1f, 200.0f);
             ClipConvention convention{DepthRange::zero_to_one, DepthOrder::near_is_small};
             if (reversed) {
-                projection = glm::mat4{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 1, 1} * projection;
+                projection =
+                    glm::mat4{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 1, 1} * projection;
                 convention.order = DepthOrder::near_is_large;
             }
             const View view = View::from_clip(projection, kOddSize, convention);

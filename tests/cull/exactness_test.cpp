@@ -337,8 +337,7 @@ TEST(Exactness, WithTestsAnsweredByTheDepthPyramid)
         if (info.exact && info.needs.queries) {
             SCOPED_TRACE(info.name);
             expect_exact({.algorithm = info.name, .method = TestMethod::pyramid});
-            expect_exact(
-                {.algorithm = info.name, .moving = true, .method = TestMethod::pyramid});
+            expect_exact({.algorithm = info.name, .moving = true, .method = TestMethod::pyramid});
         }
     }
     expect_exact({.algorithm = "chc_plus_plus",
@@ -455,7 +454,6 @@ TEST(Exactness, ARebuiltHierarchyStartsAfresh)
     BoxScene scene(test::random_boxes(300, 32, 24.0f, 7.0f));
     Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
     CpuDevice device(scene);
-    ASSERT_TRUE(device.use_method(setup.method));
     CpuDevice reference_device(scene);
     auto culler = make_culler("chc_plus_plus", tree);
     for (uint64_t frame = 0; frame < 12; ++frame) {
@@ -480,7 +478,6 @@ TEST(Exactness, TheOraclesDrawTheSamePicture)
     }
     const Hierarchy tree = build_bvh(scene.bounds, {.leaf_triangles = 24});
     CpuDevice device(scene);
-    ASSERT_TRUE(device.use_method(setup.method));
     CpuDevice reference_device(scene);
     FrustumCuller reference{tree};
     size_t drawn_by_opt = 0;

@@ -75,9 +75,10 @@ Result<bool> CpuDevice::use_method(TestMethod method)
     const TestMethod wanted = method == TestMethod::automatic ? TestMethod::queries : method;
     const auto found = std::ranges::find(caps_.methods, wanted, &TestCost::method);
     if (found == caps_.methods.end()) {
-        return Error{ErrorCode::unsupported,
-                     "the cpu device has no test method 'raster'; choose queries or pyramid, or the "
-                     "gl device"};
+        return Error{
+            ErrorCode::unsupported,
+            "the cpu device has no test method 'raster'; choose queries or pyramid, or the "
+            "gl device"};
     }
     std::rotate(caps_.methods.begin(), found, found + 1);
     caps_.exact_counts = caps_.methods.front().exact_counts;
@@ -318,10 +319,9 @@ void CpuDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
     OCCLUDE_ASSERT(in_frame_, "query outside of a frame (C1)");
     OCCLUDE_ASSERT(tickets.size() == batch.test_ends.size(), "one ticket per test");
     std::fill(tickets.begin(), tickets.end(), Ticket{});
-    const TestMethod method = batch.method == TestMethod::automatic
-                                  ? caps_.methods.front().method
-                                  : batch.method;
-    if (method == TestMethod::pyramid) {
+    const auto named = std::ranges::find(caps_.methods, batch.method, &TestCost::method);
+    const TestCost& cost = named != caps_.methods.end() ? *named : caps_.methods.front();
+    if (cost.method == TestMethod::pyramid) {
         test_with_pyramid(batch);
         for (size_t i = 0; i < std::min(tickets.size(), answers_.size()); ++i) {
             tickets[i] = issue(answers_[i]);

@@ -78,9 +78,9 @@ public:
     /// again). Fails, and says which there are, for others. Outside frames only.
     Result<bool> use_method(TestMethod method);
 
-    /// Answers at once, with queries where the batch names a method that there is not. A box that is
-    /// not bounded or (with queries) touches the near rectangle makes its test lost, and so does a
-    /// test without boxes.
+    /// Answers at once, by the default method where the batch names one that caps.methods does not
+    /// list. A box that is not bounded or (with queries) touches the near rectangle makes its test
+    /// lost, and so does a test without boxes.
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
 
     /// Counts the samples that the items won while they were drawn, each once, even if an item of

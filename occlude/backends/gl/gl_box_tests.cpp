@@ -99,8 +99,7 @@ Result<std::unique_ptr<GlBoxTests>> GlBoxTests::create(int gl_version, float dep
     }
     Program raster;
     if (gl_version >= GlBoxTests::kRasterVersion) {
-        auto made =
-            make_box_program("occlude box flags", kRasterHeader, kRasterFragmentShader);
+        auto made = make_box_program("occlude box flags", kRasterHeader, kRasterFragmentShader);
         if (!made) {
             return made.error();
         }
@@ -165,7 +164,8 @@ void GlBoxTests::enter(TestMethod method)
     glUseProgram(program.program.name());
     if (program.view_changed) {
         const float range = convention.range == DepthRange::minus_one_to_one ? 2.0f : 1.0f;
-        glUniformMatrix4fv(program.clip_from_world, 1, GL_FALSE, glm::value_ptr(view_.clip_from_world()));
+        glUniformMatrix4fv(program.clip_from_world, 1, GL_FALSE,
+                           glm::value_ptr(view_.clip_from_world()));
         glUniform1f(program.toward_viewer, (reversed ? 1.0f : -1.0f) * range * depth_bias_);
         program.view_changed = false;
     }

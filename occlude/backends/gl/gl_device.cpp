@@ -1,8 +1,8 @@
 #include <occlude/backends/gl/gl_device.h>
 
+#include <occlude/backends/gl/detail/gl_box_tests.h>
 #include <occlude/backends/gl/detail/gl_depth_reader.h>
 #include <occlude/backends/gl/detail/gl_query_pool.h>
-#include <occlude/backends/gl/detail/gl_box_tests.h>
 #include <occlude/core/assert.h>
 #include <occlude/core/pyramid_tests.h>
 
@@ -112,10 +112,10 @@ Result<bool> GlDevice::use_method(TestMethod method)
         for (const TestCost& cost : caps_.methods) {
             there += (there.empty() ? "" : ", ") + std::string(name(cost.method));
         }
-        return Error{ErrorCode::unsupported,
-                     "the test method '" + std::string(name(wanted)) +
-                         "' needs OpenGL 4.3, which this context does not have; choose one of: " +
-                         there};
+        return Error{
+            ErrorCode::unsupported,
+            "the test method '" + std::string(name(wanted)) +
+                "' needs OpenGL 4.3, which this context does not have; choose one of: " + there};
     }
     std::rotate(caps_.methods.begin(), found, found + 1);
     caps_.exact_counts = caps_.methods.front().exact_counts;
@@ -186,8 +186,8 @@ void GlDevice::test_with_pyramid(const QueryBatch& batch, std::span<Ticket> tick
     parts_->pyramid.answer(view_, batch, parts_->answers);
     for (size_t test = 0; test < tickets.size(); ++test) {
         const Answer& answer = parts_->answers[test];
-        tickets[test] = answer.state == AnswerState::ready ? parts_->pool.answered(answer.samples)
-                                                           : Ticket{};
+        tickets[test] =
+            answer.state == AnswerState::ready ? parts_->pool.answered(answer.samples) : Ticket{};
     }
 }
 

@@ -53,10 +53,10 @@ private:
     enum class SlotState : uint8_t { free, issued, promised, answered };
     struct Slot {
         GlQuery query;
-        uint64_t frame = 0; ///< when it was begun
-        uint64_t samples = 0;                ///< if answered
-        std::shared_ptr<GlFlagBatch> flags;  ///< if promised
-        size_t test = 0;                     ///< likewise
+        uint64_t frame = 0;                 ///< when it was begun
+        uint64_t samples = 0;               ///< if answered
+        std::shared_ptr<GlFlagBatch> flags; ///< if promised
+        size_t test = 0;                    ///< likewise
         uint32_t generation = 0;
         SlotState state = SlotState::free;
     };
