@@ -13,10 +13,14 @@ namespace {
 using State = HierarchyCut::State;
 using Scope = HierarchyCut::Scope;
 
-// A frame that looks for the first time reads depth after drawing for so many read-backs, and after
-// so many times more where that found little hidden.
-constexpr double kFirstReadAfter = 4.0;
+// While a frame reveals things, it reads depth again after drawing for so many read-backs, and after so
+// many times more where that found little hidden.
+constexpr double kFirstReadAfter = 8.0;
 constexpr double kNextReadAfter = 4.0;
+
+// In the middle of a frame a read-back costs more than it does at rest: the device stands still
+// meanwhile. It should hide so many times its cost.
+constexpr double kWellWorth = 8.0;
 
 // Frames in which depth is read once more, from a device at rest, to learn what that costs; only the
 // first of them if it costs far more than was thought.
@@ -47,7 +51,7 @@ constexpr double kLeastShare = 0.02;
 // Texels that the test of a box may look at, for each microsecond that drawing it costs: at some 10
 // ns each, a quarter of that. At most so many, and not at all for fewer than the last.
 constexpr double kTexelsPerUs = 25.0;
-constexpr double kMostTexels = 2048.0;
+constexpr double kMostTexels = 16384.0;
 constexpr double kLeastTexels = 16.0;
 
 // Below this much drawing a frame says nothing about the cost of drawing.
@@ -367,18 +371,26 @@ bool Adaptive::hidden(const CullFrame& frame, NodeId node)
         return false;
     }
     ++tests_;
-    return hidden(node, project(frame.view(), hierarchy().node(node).box));
+    const ScreenBounds bounds = project(frame.view(), hierarchy().node(node).box);
+    return bounds.valid &&
+           (pyramid_.hides(bounds.rect, bounds.near_depth) || hidden_by_faces(node, bounds));
 }
 
-// By its rectangle, and where that does not hide it by the box itself: as many texels as cost a
+// Compares the rectangles of many boxes at once.
+void Adaptive::compare_all(std::span<const ScreenBounds> bounds)
+{
+    hidden_by_rectangle_.assign(bounds.size(), 0);
+    if (depth_known_) {
+        pyramid_.hides(bounds, DepthPyramid::Refinement::pixels, hidden_by_rectangle_);
+    }
+}
+
+// Where its rectangle does not hide a box, the box itself may: as many texels are looked at as cost a
 // part of what drawing would.
-bool Adaptive::hidden(NodeId node, const ScreenBounds& bounds) const
+bool Adaptive::hidden_by_faces(NodeId node, const ScreenBounds& bounds) const
 {
     if (!depth_known_ || !bounds.valid) {
         return false;
-    }
-    if (pyramid_.hides(bounds.rect, bounds.near_depth)) {
-        return true;
     }
     const Node& n = hierarchy().node(node);
     const double texels = std::min(kTexelsPerUs * costs_.draw_us(n), kMostTexels);
@@ -466,7 +478,8 @@ void Adaptive::reveal(CullFrame& frame)
             costs_.us_per_unit() * costs_.units(frame.queued_triangles(), frame.queued_items());
         if (frame.caps().read_depth && queued_us > read_after_us_ && read_depth(frame)) {
             const double saved_us = costs_.us_per_unit() * (hidden_units_ - hidden_at_read);
-            if (saved_us < costs_.round(TestMethod::pyramid).us_per_round) {
+            const double read_us = costs_.round(TestMethod::pyramid).us_per_round;
+            if (saved_us < kWellWorth * read_us) {
                 read_after_us_ *= kNextReadAfter;
             }
             hidden_at_read = hidden_units_;
@@ -490,10 +503,12 @@ void Adaptive::reveal(CullFrame& frame)
 void Adaptive::project_all(CullFrame& frame)
 {
     const auto project_into = [&](std::span<const Candidate> from, std::vector<ScreenBounds>& to) {
-        to.clear();
+        boxes_.clear();
         for (const Candidate& candidate : from) {
-            to.push_back(project(frame.view(), hierarchy().node(candidate.entry.node).box));
+            boxes_.push_back(hierarchy().node(candidate.entry.node).box);
         }
+        to.resize(from.size());
+        project_boxes(frame.view(), boxes_, to);
     };
     const double from = now();
     project_into(candidates_, candidate_bounds_);
@@ -505,10 +520,11 @@ void Adaptive::test_candidates(CullFrame& frame)
 {
     const double from = now();
     stack_.clear();
+    compare_all(candidate_bounds_);
     for (size_t i = 0; i < candidates_.size(); ++i) {
         Candidate& candidate = candidates_[i];
-        const ScreenBounds& bounds = candidate_bounds_[i];
-        if (hidden(candidate.entry.node, bounds)) {
+        if (hidden_by_rectangle_[i] != 0 ||
+            hidden_by_faces(candidate.entry.node, candidate_bounds_[i])) {
             keep_hidden(frame, candidate.entry, Decision::hidden);
         } else {
             candidate.distance =
@@ -524,10 +540,10 @@ void Adaptive::test_candidates(CullFrame& frame)
 void Adaptive::retest_by_pyramid(CullFrame& frame)
 {
     const double from = now();
+    compare_all(expected_bounds_);
     for (size_t i = 0; i < expected_.size(); ++i) {
         HierarchyCut::Entry& entry = expected_[i].entry;
-        const ScreenBounds& bounds = expected_bounds_[i];
-        if (hidden(entry.node, bounds)) {
+        if (hidden_by_rectangle_[i] != 0 || hidden_by_faces(entry.node, expected_bounds_[i])) {
             keep_hidden(frame, entry, Decision::undecided);
         } else {
             entry.tested = frame.stamp();

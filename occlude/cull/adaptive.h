@@ -122,7 +122,8 @@ private:
     void open(CullFrame& frame, const Candidate& candidate, bool tested);
     void retest_by_pyramid(CullFrame& frame);
     bool hidden(const CullFrame& frame, NodeId node);
-    bool hidden(NodeId node, const ScreenBounds& bounds) const;
+    void compare_all(std::span<const ScreenBounds> bounds);
+    bool hidden_by_faces(NodeId node, const ScreenBounds& bounds) const;
 
     // --- by tests on the device (adaptive_device_tests.cpp) ---
     void by_device(CullFrame& frame);
@@ -175,6 +176,8 @@ private:
     double hidden_units_ = 0.0;
     std::vector<Candidate> expected_;   ///< visible in the last frame, in the frustum
     std::vector<Candidate> candidates_; ///< hidden or unknown, in the frustum
+    std::vector<Aabb> boxes_;
+    std::vector<uint8_t> hidden_by_rectangle_;
     std::vector<ScreenBounds> expected_bounds_;
     std::vector<ScreenBounds> candidate_bounds_;
 

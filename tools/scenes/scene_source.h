@@ -38,9 +38,9 @@ struct SceneOptions {
 /// Loads or generates. Errors name the file or the parameter, and what would work.
 Result<SceneModel> load_scene(const std::string& source, const SceneOptions& options = {});
 
-/// A path for any scene, by name: "auto" (what was made for the scene, a walk where there are floors, an orbit
-/// where the scene is an object), "orbit", "walk", "overview", a name in model.paths, or a JSON
-/// file.
+/// A path for any scene, by name: "auto" (what was made for the scene, a walk where there are
+/// floors, an orbit where the scene is an object), "orbit", "walk", "overview", a name in
+/// model.paths, or a JSON file.
 Result<std::vector<Camera>> load_path(const std::string& name, const SceneModel& model,
                                       size_t frame_count);
 

@@ -15,7 +15,7 @@
 namespace occlude::tools {
 namespace {
 
-constexpr float kSpacing = 5.6f; // of middles, in Newell's units
+constexpr float kSpacing = 4.0f; // of middles, in Newell's units
 constexpr float kFreeWay = 4.6f; // from the middle of a teapot (3.6 long at most) to the path
 constexpr glm::vec3 kMiddle{0.25f, 1.5f, 0.0f}; // of a teapot
 
