@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kOldestVersion = 33;
 
-// What tests cost with llvmpipe on two cores, flush and resume included in the batch.
+// Rough guesses for llvmpipe on two cores, flush and resume included in the batch.
 constexpr TestCost kQueriesCost{TestMethod::queries, 60.0f, 18.0f, 4.0f};
 constexpr TestCost kRasterCost{TestMethod::raster, 150.0f, 1.0f, 4.0f, false};
 constexpr TestCost kPyramidCost{TestMethod::pyramid, 1000.0f, 0.1f, 0.1f, false};
