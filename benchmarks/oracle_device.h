@@ -25,6 +25,7 @@ public:
     {
         caps_.name = "oracle";
         caps_.read_depth = true;
+        caps_.samples_at_pixel_centers = true;
         caps_.max_outstanding = ~0u;
         for (size_t i = 0; i < truths.size(); ++i) {
             const std::vector<uint32_t>& visible = truths[i].visible;

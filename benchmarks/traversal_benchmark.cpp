@@ -80,7 +80,7 @@ void traverse(benchmark::State& state, const char* algorithm)
 // By size first, so that each city is made once.
 const bool registered = [] {
     for (const int64_t count : {10'000, 100'000, 1'000'000, 10'000'000}) {
-        for (const char* algorithm : {"frustum", "chc", "chc_plus_plus", "two_phase"}) {
+        for (const char* algorithm : {"frustum", "chc", "chc_plus_plus", "two_phase", "adaptive"}) {
             benchmark::RegisterBenchmark(("traverse/" + std::string(algorithm)).c_str(), traverse,
                                          algorithm)
                 ->ArgName("boxes")

@@ -205,6 +205,22 @@ TEST(Table, AlignsColumnsAndGroupsDigits)
     EXPECT_EQ(grouped(1234567), "1,234,567");
 }
 
+TEST(Table, SaysWhatAnAlgorithmThatChoosesHasChosen)
+{
+    BenchDocument document = example();
+    EXPECT_EQ(bench_table(document).find("frames pyramid"), std::string::npos);
+    AlgorithmRun& run = document.runs[0];
+    for (FrameFigures& frame : run.frames) {
+        frame.plan.kind = FramePlan::Kind::pyramid;
+    }
+    run.frames[0].plan.kind = FramePlan::Kind::draw_all;
+    EXPECT_NE(bench_table(document).find(run.algorithm + ": 1 frames draw_all, " +
+                                         std::to_string(run.frames.size() - 1) + " frames pyramid"),
+              std::string::npos);
+    const nlohmann::json json = nlohmann::json::parse(json_report({&document, 1}));
+    EXPECT_EQ(json["runs"][0]["frames"][0]["plan"].get<std::string>().substr(0, 8), "draw_all");
+}
+
 TEST(Table, ShowsSceneSizeDeviceAndADashForWhatWasNotMeasured)
 {
     const std::string table = bench_table(example());

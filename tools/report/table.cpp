@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace occlude::tools {
 
@@ -107,6 +108,23 @@ std::string align_columns(const std::vector<std::vector<std::string>>& rows)
     return text;
 }
 
+// What an algorithm that chooses per frame has chosen: "adaptive: 99 frames pyramid, 1 draw_all".
+static std::string plans_line(const AlgorithmRun& run)
+{
+    std::map<std::string, size_t> frames;
+    for (const FrameFigures& frame : run.frames) {
+        if (frame.plan.kind != FramePlan::Kind::fixed) {
+            ++frames[name(frame.plan.kind)];
+        }
+    }
+    std::string line;
+    for (const auto& [plan, count] : frames) {
+        line +=
+            fmt::format("{}{} frames {}", line.empty() ? run.algorithm + ": " : ", ", count, plan);
+    }
+    return line.empty() ? line : line + "\n";
+}
+
 std::string bench_table(const BenchDocument& document)
 {
     std::vector<std::vector<std::string>> rows = {{"algorithm", "median ms", "p99 ms", "speed-up",
@@ -116,7 +134,11 @@ std::string bench_table(const BenchDocument& document)
         rows.push_back(bench_row(run));
     }
     name_hierarchies(rows, document.runs);
-    return heading(document) + '\n' + align_columns(rows);
+    std::string text = heading(document) + '\n' + align_columns(rows);
+    for (const AlgorithmRun& run : document.runs) {
+        text += plans_line(run);
+    }
+    return text;
 }
 
 std::string verify_table(const BenchDocument& document)

@@ -18,33 +18,38 @@ SuiteEntry walk(Scale scale, std::string name, const Sizes& scene, std::string p
     entry.scene = scale == Scale::full ? scene.full : scene.small;
     entry.algorithms = std::move(algorithms);
     entry.stage.path = std::move(path);
-    entry.stage.frames = 240;
+    entry.stage.frames = scale == Scale::full ? 240 : 120;
     // Papers leave their sizes out or had this one. In software each pixel is dear, as it was not
     // on their hardware: larger images would measure shading, the same for all.
     entry.stage.size = {640, 480};
     // A frame without culling takes seconds at full scale, and 30 of them tell as much as 240.
-    entry.sample_every = scale == Scale::full ? 8 : 4;
-    entry.verify_every = scale == Scale::full ? 5 : 3;
+    entry.sample_every = scale == Scale::full ? 8 : 6;
+    entry.verify_every = scale == Scale::full ? 6 : 5;
     return entry;
 }
 
 // Kovalcik, Sochor 2005: an axis-aligned BSP tree, and a still scene that is flown through.
-SuiteEntry statistical(Scale scale, std::string name, const Sizes& scene)
+SuiteEntry statistical(Scale scale, std::string name, const Sizes& scene, uint32_t part_triangles)
 {
     SuiteEntry entry =
         walk(scale, std::move(name), scene, "auto",
              "frustum,stop_and_wait,statistical,chc_plus_plus,batch_and_wait,next_frame");
     entry.stage.hierarchy = "bsp";
+    // Theirs hangs small objects into small cells. The parts of large meshes get tight boxes.
+    entry.stage.split = "exact";
+    entry.stage.item_triangles = part_triangles;
+    entry.stage.leaf_triangles = part_triangles;
     return entry;
 }
 
 // Kovalcik, Tobola 2006: the two-level tree over meshes that planes cut into parts.
-SuiteEntry two_level(Scale scale, std::string name, const Sizes& scene)
+SuiteEntry two_level(Scale scale, std::string name, const Sizes& scene, uint32_t part_triangles)
 {
     SuiteEntry entry = walk(scale, std::move(name), scene, "auto",
                             "frustum,stop_and_wait,two_level,chc_plus_plus");
     entry.stage.hierarchy = "two_level";
     entry.stage.split = "exact";
+    entry.stage.item_triangles = part_triangles;
     return entry;
 }
 
@@ -73,6 +78,14 @@ SuiteEntry chc_plus_plus(Scale scale, std::string name, const Sizes& scene, std:
     return entry;
 }
 
+// Where boxes say more than what is in them: all that tests boxes draws more than is seen, and the
+// difference between `opt`, which tests perfectly, and `ideal` is what no test of boxes can save.
+SuiteEntry hollow(Scale scale, std::string name, const Sizes& scene)
+{
+    return walk(scale, std::move(name), scene, "pass",
+                "frustum,stop_and_wait,chc_plus_plus,lazy_grid");
+}
+
 // Sekulic 2004: one test per object.
 SuiteEntry objects(Scale scale, std::string name, const Sizes& scene)
 {
@@ -84,21 +97,21 @@ SuiteEntry objects(Scale scale, std::string name, const Sizes& scene)
 
 std::vector<SuiteEntry> papers_entries(Scale scale)
 {
-    const Sizes plant{"plant:triangles=2m", "plant:triangles=200k"};
-    const Sizes library{"library", "library:triangles=1m"};
-    const Sizes teapots{"teapots:count=5000,triangles=6400", "teapots:count=1000,triangles=1000"};
-    const Sizes large_plant{"plant:triangles=13m", "plant:triangles=600k"};
-    const Sizes bunnies{"blobs:count=300,triangles=70k", "blobs:count=100,triangles=7k"};
-    const Sizes forest{"forest:triangles=1.7m", "forest:triangles=400k"};
+    const Sizes plant{"plant:triangles=2m", "plant:triangles=600k,objects=500"};
+    const Sizes library{"library", "library:books=10000"};
+    const Sizes teapots{"teapots:count=5000,triangles=6400", "teapots:count=2000,triangles=1000"};
+    const Sizes large_plant{"plant:triangles=13m", "plant:triangles=1200k"};
+    const Sizes bunnies{"bunnies", "bunnies:count=100,triangles=3500"};
+    const Sizes forest{"forest", "forest:triangles=600k"};
     const Sizes city{"city:triangles=34m,blocks=64", "city:triangles=4m,blocks=24"};
-    const Sizes vienna{"vienna", "vienna:triangles=1m"};
+    const Sizes vienna{"vienna", "vienna:triangles=2m"};
     const glm::ivec2 low{640, 480};
     const glm::ivec2 high{1280, 960};
-    return {statistical(scale, "plant_2m", plant),
-            statistical(scale, "library", library),
-            statistical(scale, "teapots", teapots),
-            two_level(scale, "plant_13m", large_plant),
-            two_level(scale, "bunnies", bunnies),
+    return {statistical(scale, "plant_2m", plant, 256),
+            statistical(scale, "library", library, 1024),
+            statistical(scale, "teapots", teapots, 1024),
+            two_level(scale, "plant_13m", large_plant, scale == Scale::full ? 2048 : 256),
+            two_level(scale, "bunnies", bunnies, scale == Scale::full ? 1000 : 50),
             lazy_grid(scale, "forest_640", forest, "auto", low),
             lazy_grid(scale, "forest_1280", forest, "auto", high),
             lazy_grid(scale, "city_640", city, "street", low),
@@ -110,7 +123,9 @@ std::vector<SuiteEntry> papers_entries(Scale scale)
             objects(scale, "boxes_12",
                     {"boxcity:count=40000,triangles=12", "boxcity:count=4000,triangles=12"}),
             objects(scale, "boxes_252",
-                    {"boxcity:count=40000,triangles=252", "boxcity:count=4000,triangles=252"})};
+                    {"boxcity:count=40000,triangles=252", "boxcity:count=4000,triangles=252"}),
+            hollow(scale, "pyramids", {"pyramids:count=4000", "pyramids"}),
+            hollow(scale, "rings", {"rings:count=4000", "rings"})};
 }
 
 } // namespace occlude::tools

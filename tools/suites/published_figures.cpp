@@ -336,7 +336,8 @@ void add_sx7(std::vector<PublishedFigure>& figures)
         add(entry, "queries, CHC over CHC++", "\"significantly reduced\"", at_least(1.5),
             count(entry, "queries", "chc", "chc_plus_plus"));
         add(entry, "time, without tight bounds and multiqueries over with", "1.05 to 1.20",
-            at_least(1.05), time(entry, "chc_plus_plus:multiqueries=off:tight_bounds_depth=0", "chc_plus_plus"));
+            at_least(1.05),
+            time(entry, "chc_plus_plus:multiqueries=off:tight_bounds_depth=0", "chc_plus_plus"));
         add(entry, "state changes a frame", "about 200 are acceptable", at_most(200.0),
             state_changes_per_frame(entry));
     }

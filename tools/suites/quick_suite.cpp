@@ -22,7 +22,7 @@ std::vector<SuiteEntry> quick_entries(Scale)
             entry("city_cuts", "city:triangles=300k,blocks=8", "bsp", "teleport"),
             entry("boxes", "boxes:count=2000", "octree", "auto"),
             entry("movers", "movers:count=500,triangles=200k", "two_level", "auto"),
-            entry("blobs", "blobs:count=40,triangles=4k", "bvh", "auto")};
+            entry("bunnies", "bunnies:count=40,triangles=4k", "bvh", "auto")};
 }
 
 } // namespace occlude::tools
