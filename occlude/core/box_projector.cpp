@@ -21,17 +21,39 @@ namespace detail {
 
 static constexpr double kSlop = 20.0 * 0x1p-24;
 
+static glm::dmat4 magnitude(const glm::mat4& m)
+{
+    return {glm::abs(glm::dvec4{m[0]}), glm::abs(glm::dvec4{m[1]}), glm::abs(glm::dvec4{m[2]}),
+            glm::abs(glm::dvec4{m[3]})};
+}
+
 BoxProjector::BoxProjector(const View& view)
     : inflation(view.inflation())
-    , size(glm::max(view.size_px(), glm::ivec2{0}))
-    , usable(glm::vec3{view.frustum().plane(Frustum::near)} != glm::vec3{0.0f})
 {
+    const glm::mat4& clip = view.clip_from_world();
+    set_columns(view, glm::dmat4{clip}, magnitude(clip));
+}
+
+BoxProjector::BoxProjector(const View& view, const glm::mat4& world_from_box)
+    : inflation{.per_diagonal = 0.0f, .per_coordinate = 0.0f}
+{
+    const glm::mat4& clip = view.clip_from_world();
+    // A device goes by way of the world, and so do the terms that it rounds.
+    set_columns(view, glm::dmat4{clip} * glm::dmat4{world_from_box},
+                magnitude(clip) * magnitude(world_from_box));
+}
+
+void BoxProjector::set_columns(const View& view, const glm::dmat4& clip,
+                               const glm::dmat4& magnitude)
+{
+    size = glm::vec2{glm::max(view.size_px(), glm::ivec2{0})};
     everywhere.rect = {0, 0, static_cast<int>(size.x), static_cast<int>(size.y)};
+    usable = glm::vec3{view.frustum().plane(Frustum::near)} != glm::vec3{0.0f};
     const ClipConvention convention = view.convention();
     const glm::dvec2 half_size = 0.5 * glm::dvec2{size};
-    for (size_t k = 0; k < 4; ++k) {
-        glm::dvec4 c{view.clip_from_world()[static_cast<int>(k)]};
-        glm::dvec4 e = glm::abs(c);
+    for (int k = 0; k < 4; ++k) {
+        glm::dvec4 c = clip[k];
+        glm::dvec4 e = magnitude[k];
         c.x = half_size.x * (c.x + c.w);
         e.x = half_size.x * (e.x + e.w);
         c.y = half_size.y * (c.y + c.w);
@@ -44,8 +66,8 @@ BoxProjector::BoxProjector(const View& view)
             c.z = c.w - c.z;
             e.z += e.w;
         }
-        column[k] = glm::vec4{c};
-        slop[k] = glm::vec4{kSlop * e};
+        column[static_cast<size_t>(k)] = glm::vec4{c};
+        slop[static_cast<size_t>(k)] = glm::vec4{kSlop * e};
     }
 }
 
@@ -146,6 +168,19 @@ ScreenBounds BoxProjector::project(const Aabb& box) const
 }
 
 } // namespace detail
+
+void project_query_boxes(const View& view, std::span<const QueryBox> boxes,
+                         std::span<ScreenBounds> bounds)
+{
+    OCCLUDE_ASSERT(boxes.size() == bounds.size(), "project_query_boxes needs one result per box");
+    const detail::BoxProjector from_world{view, glm::mat4{1.0f}};
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        const glm::mat4* world_from_box = boxes[i].world_from_box;
+        bounds[i] = world_from_box == nullptr
+                        ? from_world.project(boxes[i].box)
+                        : detail::BoxProjector{view, *world_from_box}.project(boxes[i].box);
+    }
+}
 
 ScreenBounds project(const View& view, const Aabb& box)
 {

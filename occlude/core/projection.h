@@ -44,6 +44,11 @@ ScreenBounds project(const View& view, const Aabb& box);
 void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<ScreenBounds> bounds,
                    Kernel kernel = Kernel::simd);
 
+/// The same of the boxes of tests: in their own spaces, and inflated already. Precondition:
+/// bounds.size() == boxes.size().
+void project_query_boxes(const View& view, std::span<const QueryBox> boxes,
+                         std::span<ScreenBounds> bounds);
+
 /// The affine map from the unit square (0..1, 0..1, 0) to a rectangle in the world that faces the
 /// camera: on the screen it covers every sample of the pixels in `rect` (and no centre of another
 /// pixel), nowhere farther than the window depth `depth`, as a device would draw it. Together with

@@ -35,8 +35,9 @@
 
 namespace occlude {
 
-/// How a device finds the answer to a test. A batch may name one; `automatic` is the device's
-/// default.
+/// How a device finds the answer to a test. A batch may name one of caps.methods; `automatic` is the
+/// device's default. Only `queries` counts samples. The others answer 0, or 1 for "some": where a
+/// threshold above 0 is to decide, ask for queries.
 enum class TestMethod : uint8_t {
     automatic,
     queries, ///< one hardware occlusion query per test
@@ -58,12 +59,13 @@ struct TestCost {
     float us_per_batch = 0.0f;
     float us_per_test = 0.0f;
     float us_per_box = 0.0f;
+    bool exact_counts = true; ///< counts samples; otherwise a visible test counts 1
 };
 
 struct DeviceCaps {
     std::string name;
     bool same_frame_results = true; ///< a result can be waited for in the frame that asked
-    bool exact_counts = true;       ///< sample counts; otherwise only zero or non-zero
+    bool exact_counts = true;       ///< of the default method: sample counts, or else 0 or 1
     bool draw_and_query = false;    ///< the verb of that name works
     bool read_depth = false;        ///< the verb of that name works
     /// The target of this frame has one sample per pixel, in the middle. Otherwise samples are taken

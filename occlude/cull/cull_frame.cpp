@@ -201,12 +201,21 @@ Ticket CullFrame::draw_and_query(NodeId leaf, PlaneMask mask, Decision decision)
     return ticket;
 }
 
+// A threshold is one of samples, and only queries count them.
+TestMethod CullFrame::method_for(TestMethod asked) const
+{
+    const auto counts = [](const TestCost& cost) { return cost.method == TestMethod::queries; };
+    const bool needs_counts = asked == TestMethod::automatic && report_.guarantee.threshold > 0 &&
+                              !caps().exact_counts && std::ranges::any_of(caps().methods, counts);
+    return needs_counts ? TestMethod::queries : asked;
+}
+
 void CullFrame::query(const TestBatch& batch, std::vector<Ticket>& tickets, TestMethod method)
 {
     OCCLUDE_ASSERT(!batch.empty(), "a batch has at least one test");
     enter_state(true);
     tickets.resize(batch.test_count());
-    device_.query({batch.boxes(), batch.test_ends(), method}, tickets);
+    device_.query({batch.boxes(), batch.test_ends(), method_for(method)}, tickets);
     ++report_.counters.batches;
     report_.counters.queries += batch.test_count();
     report_.counters.boxes += batch.boxes().size();
@@ -219,7 +228,7 @@ Ticket CullFrame::query(NodeId node)
     const QueryBox box{test_box(node), nullptr, node};
     const uint32_t end = 1;
     Ticket ticket;
-    device_.query({{&box, 1}, {&end, 1}, TestMethod::automatic}, {&ticket, 1});
+    device_.query({{&box, 1}, {&end, 1}, method_for(TestMethod::automatic)}, {&ticket, 1});
     ++report_.counters.batches;
     ++report_.counters.queries;
     ++report_.counters.boxes;
@@ -231,6 +240,10 @@ Answer CullFrame::counted(Answer answer)
 {
     if (answer.state == AnswerState::lost) {
         ++report_.counters.lost_answers;
+    }
+    const bool some = answer.state == AnswerState::ready && answer.samples > 0;
+    if (some && !caps().exact_counts && method_for(TestMethod::automatic) != TestMethod::queries) {
+        answer.samples = Answer::kUnknownSamples; // more than any threshold
     }
     return answer;
 }

@@ -122,7 +122,8 @@ public:
 
     // --- testing ---
 
-    /// Issues the collected tests as one batch and writes their tickets; starts them at once.
+    /// Issues the collected tests as one batch and writes their tickets; starts them at once. The
+    /// method `automatic` is the device's own, but queries where a threshold above 0 needs counts.
     void query(const TestBatch& batch, std::vector<Ticket>& tickets,
                TestMethod method = TestMethod::automatic);
     /// Tests one node's box.
@@ -159,6 +160,7 @@ private:
     void queue(uint32_t position);
     void draw_translucent();
     void enter_state(bool testing);
+    TestMethod method_for(TestMethod asked) const;
     Answer counted(Answer answer);
 
     Culler& culler_;

@@ -13,7 +13,7 @@ namespace {
 
 // The format: this mark, the caps, the calls, and the FNV-1a hash of all bytes before it. Numbers
 // are little-endian; lists start with their length as 32 bits.
-constexpr std::string_view kMark = "occlrec1";
+constexpr std::string_view kMark = "occlrec2";
 
 using Bytes = std::string;
 
@@ -224,6 +224,7 @@ void transfer_caps(Archive<Stream>& archive, Caps& caps)
         archive.real(cost.us_per_batch);
         archive.real(cost.us_per_test);
         archive.real(cost.us_per_box);
+        archive.choice(cost.exact_counts, true);
     });
     archive.real(caps.us_per_triangle);
 }

@@ -254,6 +254,18 @@ void ValidatingDevice::draw(std::span<const ItemId> items, DrawPass pass)
     inner_.draw(items, pass);
 }
 
+void ValidatingDevice::check_method(TestMethod method) const
+{
+    const auto& methods = inner_.caps().methods;
+    const bool there = method == TestMethod::automatic || methods.empty() ||
+                       std::ranges::find(methods, method, &TestCost::method) != methods.end();
+    if (!there) {
+        report("methods",
+               "the batch names test method " + std::to_string(static_cast<int>(method)) +
+                   ", which caps.methods does not list: name one of those, or automatic");
+    }
+}
+
 bool ValidatingDevice::check_batch(const QueryBatch& batch, size_t ticket_count) const
 {
     if (ticket_count != batch.test_ends.size()) {
@@ -332,6 +344,7 @@ void ValidatingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
     for (size_t i = 0; i < batch.boxes.size(); ++i) {
         check_box(batch.boxes[i], i);
     }
+    check_method(batch.method);
     check_outstanding(tickets.size());
     const std::vector<float> before = depth();
     inner_.query(batch, tickets);

@@ -18,6 +18,7 @@
 //   C10           an item twice in one pass of a frame
 //   C11           more tests than caps.max_outstanding would be unspent
 //   C12           the device gives an unspent ticket of an earlier frame to another test
+//   methods       a batch names a test method that caps.methods does not list
 //   passes        shade_equal without depth_only before it, or depth_only that nobody shaded
 //   precondition  a verb's own: sizes of spans, rectangles inside the target, valid items; or depth
 //                 read outside of 0..1
@@ -76,6 +77,7 @@ private:
     void report(std::string_view rule, const std::string& message) const;
     void require_frame(const char* verb) const;
     void check_items(std::span<const ItemId> items, DrawPass pass);
+    void check_method(TestMethod method) const;
     bool check_batch(const QueryBatch& batch, size_t ticket_count) const;
     void check_box(const QueryBox& box, size_t index) const;
     void check_outstanding(size_t new_tests) const;

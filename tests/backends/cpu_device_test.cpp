@@ -46,6 +46,43 @@ TEST(CpuDevice, BoxCountsTheSamplesOfItsUnionOnce)
     device.end_frame();
 }
 
+TEST(CpuDevice, PyramidAnswersSomeOrNoneByTheDrawsBeforeIt)
+{
+    TestScene scene;
+    const ItemId wall = scene.add_rectangle({0, 0}, {16, 32}, 0.5f);
+    CpuDevice device(scene);
+    ASSERT_TRUE(device.use_method(TestMethod::pyramid));
+    EXPECT_EQ(device.caps().methods.front().method, TestMethod::pyramid);
+    EXPECT_FALSE(device.caps().exact_counts);
+    const Aabb behind{{4, 4, 0.6f}, {12, 8, 0.7f}};
+    const Aabb across{{12, 4, 0.6f}, {20, 8, 0.7f}};
+    const Aabb in_front{{4, 4, 0.3f}, {12, 8, 0.4f}};
+    const Aabb around{{4, 4, 0.4f}, {12, 8, 0.7f}};
+    const glm::mat4 shift = glm::translate(glm::mat4{1.0f}, glm::vec3{16.0f, 0.0f, 0.0f});
+    for (int frame = 0; frame < 2; ++frame) {
+        device.begin_frame(pixel_view({32, 32}));
+        EXPECT_EQ(test_box(device, behind).samples, 1u);
+        device.draw({&wall, 1}, DrawPass::shade);
+        EXPECT_EQ(test_box(device, behind).samples, 0u);
+        EXPECT_EQ(test_box(device, behind, &shift).samples, 1u);
+        EXPECT_EQ(test_box(device, across).samples, 1u);
+        EXPECT_EQ(test_box(device, in_front).samples, 1u);
+        EXPECT_EQ(test_box(device, around).samples, 1u);
+        EXPECT_EQ(test_box(device, Aabb::everything()).state, AnswerState::lost);
+        device.end_frame();
+    }
+}
+
+TEST(CpuDevice, HasNoRasterAndSaysWhatItHas)
+{
+    TestScene scene;
+    CpuDevice device(scene);
+    const auto used = device.use_method(TestMethod::raster);
+    ASSERT_FALSE(used);
+    EXPECT_NE(used.error().message.find("queries or pyramid"), std::string::npos);
+    EXPECT_EQ(device.caps().methods.front().method, TestMethod::queries);
+}
+
 TEST(CpuDevice, BoxSeesExactlyTheDrawsBeforeIt)
 {
     TestScene scene;

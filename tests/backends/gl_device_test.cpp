@@ -36,9 +36,12 @@ TEST_F(GlDeviceTest, CapsSayWhatItCan)
     EXPECT_TRUE(caps.draw_and_query);
     EXPECT_TRUE(caps.read_depth);
     EXPECT_EQ(caps.max_outstanding, 4096u);
-    ASSERT_EQ(caps.methods.size(), 1u);
+    ASSERT_EQ(caps.methods.size(), 3u);
     EXPECT_EQ(caps.methods[0].method, TestMethod::queries);
-    EXPECT_GT(caps.methods[0].us_per_test, 0.0f);
+    for (const TestCost& cost : caps.methods) {
+        EXPECT_GT(cost.us_per_test, 0.0f);
+        EXPECT_EQ(cost.exact_counts, cost.method == TestMethod::queries);
+    }
 }
 
 TEST_F(GlDeviceTest, VisibleBoxCountsItsFrontAndBackExactly)

@@ -119,6 +119,7 @@ struct Setup {
     bool moving = false;
     bool late_answers = false;
     std::string_view hierarchy = "bvh";
+    TestMethod method = TestMethod::queries;
     bool flags = false; ///< some items are translucent, some never cull, some never occlude
     bool culls = true;  ///< must draw visibly less than what is in the frustum
 };
@@ -135,6 +136,7 @@ void expect_exact(const Setup& setup)
     }
     Hierarchy tree = find_hierarchy_kind(setup.hierarchy)->build(scene.bounds, 24);
     CpuDevice device(scene);
+    ASSERT_TRUE(device.use_method(setup.method));
     CpuDevice reference_device(scene);
     DelayingDevice late(device, {.seed = 3, .max_polls = 5, .lose_every = 7});
     QueryDevice& used = setup.late_answers ? static_cast<QueryDevice&>(late) : device;
@@ -327,6 +329,20 @@ TEST(Exactness, OnEveryHierarchy)
             }
         }
     }
+}
+
+TEST(Exactness, WithTestsAnsweredByTheDepthPyramid)
+{
+    for (const AlgorithmInfo& info : algorithms()) {
+        if (info.exact && info.needs.queries) {
+            SCOPED_TRACE(info.name);
+            expect_exact({.algorithm = info.name, .method = TestMethod::pyramid});
+            expect_exact({.algorithm = info.name, .moving = true, .method = TestMethod::pyramid});
+        }
+    }
+    expect_exact({.algorithm = "chc_plus_plus",
+                  .convention = {DepthRange::zero_to_one, DepthOrder::near_is_large},
+                  .method = TestMethod::pyramid});
 }
 
 TEST(Exactness, LazyGridWithEachPartSwitched)

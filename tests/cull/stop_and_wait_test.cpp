@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace occlude {
 namespace {
 
@@ -78,6 +80,29 @@ TEST(StopAndWait, AThresholdIsReportedAsApproximate)
     EXPECT_EQ(exact.drawn_items().size(), 2u);
     EXPECT_EQ(to_string(approximate.cull(look_ahead(), device).guarantee), "approximate(20)");
     EXPECT_TRUE(approximate.drawn_items().empty());
+}
+
+TEST(StopAndWait, AThresholdAsksForQueriesWhereTheDefaultMethodDoesNotCount)
+{
+    const Hierarchy tree = row_tree(1);
+    ScriptedDevice device({.boxes = [](auto) { return uint64_t{20}; }});
+    DeviceCaps& caps = device.script().caps;
+    caps.methods = {{.method = TestMethod::raster, .exact_counts = false}, TestCost{}};
+    caps.exact_counts = false;
+    const auto first_method = [&](StopAndWait culler) {
+        device.clear_trace();
+        culler.cull(look_ahead(), device);
+        const auto query =
+            std::ranges::find(device.trace(), DeviceVerb::query, &ScriptedDevice::Event::verb);
+        return query->method;
+    };
+    EXPECT_EQ(first_method(StopAndWait{tree}), TestMethod::automatic);
+    EXPECT_EQ(first_method(StopAndWait{tree, {.threshold = 20}}), TestMethod::queries);
+    caps.methods.pop_back(); // a device that cannot count
+    EXPECT_EQ(first_method(StopAndWait{tree, {.threshold = 20}}), TestMethod::automatic);
+    StopAndWait culler{tree, {.threshold = 20}};
+    culler.cull(look_ahead(), device);
+    EXPECT_EQ(culler.drawn_items().size(), 2u) << "some is more than any threshold";
 }
 
 } // namespace

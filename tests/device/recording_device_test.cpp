@@ -57,7 +57,8 @@ ScriptedDevice scripted_device()
                                     .draw_and_query = true,
                                     .read_depth = true,
                                     .max_outstanding = 17,
-                                    .methods = {{TestMethod::raster, 1.0f, 2.0f, 3.0f}}}});
+                                    .methods = {{TestMethod::raster, 1.0f, 2.0f, 3.0f, false},
+                                                {TestMethod::queries, 1.0f, 2.0f, 4.0f}}}});
 }
 
 Recording record(uint32_t first_item = 0)
@@ -114,8 +115,10 @@ TEST(RecordingDevice, SurvivesSavingAndLoading)
     EXPECT_EQ(loaded->hash(), recording.hash());
     EXPECT_EQ(loaded->caps.name, recording.caps.name);
     EXPECT_EQ(loaded->caps.max_outstanding, 17u);
-    ASSERT_EQ(loaded->caps.methods.size(), 1u);
+    ASSERT_EQ(loaded->caps.methods.size(), 2u);
     EXPECT_EQ(loaded->caps.methods[0].us_per_box, 3.0f);
+    EXPECT_FALSE(loaded->caps.methods[0].exact_counts);
+    EXPECT_TRUE(loaded->caps.methods[1].exact_counts);
     EXPECT_EQ(saved(*loaded), saved(recording));
 }
 

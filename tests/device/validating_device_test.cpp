@@ -397,6 +397,22 @@ TEST(ValidatingDevice, C11TheLimitOfUnspentTicketsHolds)
     EXPECT_EQ(bench.broken(), "");
 }
 
+TEST(ValidatingDevice, ABatchNamesAMethodThatThereIs)
+{
+    ScriptedDevice scripted; // has queries alone
+    Bench bench(scripted);
+    bench.device.begin_frame(test::camera());
+    const QueryBox box = box_of(1);
+    const uint32_t end = 1;
+    Ticket ticket;
+    for (const TestMethod method : {TestMethod::automatic, TestMethod::queries}) {
+        bench.device.query({{&box, 1}, {&end, 1}, method}, {&ticket, 1});
+        EXPECT_EQ(bench.broken(), "");
+    }
+    bench.device.query({{&box, 1}, {&end, 1}, TestMethod::raster}, {&ticket, 1});
+    EXPECT_EQ(bench.broken(), "methods ");
+}
+
 TEST(ValidatingDevice, C12TicketsOfEarlierFramesStayGood)
 {
     WrongDevice wrong;

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -121,6 +121,8 @@ TEST(Cli, WrongCommandsAndOptionsAreRefusedWithWhatWouldWork)
     expect_refused({"bench", scene, "--device", "abacus"}, {"--device", "'abacus'", "cpu"});
     expect_refused({"bench", scene, "--hierarchy", "heap"}, {"--hierarchy", "'heap'", "bvh"});
     expect_refused({"bench", scene, "--test", "guess"}, {"--test", "'guess'", "queries"});
+    expect_refused({"bench", scene, "--device", "cpu", "--test", "raster"},
+                   {"--test raster", "queries or pyramid"});
     expect_refused({"bench", scene, "--device", "cpu", "--msaa", "4"}, {"--msaa 4", "gl"});
     expect_refused({"bench", scene, "--algorithms", "chc,magic"}, {"'magic'", "chc_plus_plus"});
     expect_refused({"render", scene, "--out", "x.png", "--show", "smell"}, {"'smell'", "states"});

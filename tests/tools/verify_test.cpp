@@ -33,6 +33,7 @@ public:
     std::string api() const override { return "row"; }
     std::string renderer_name() const override { return "row"; }
     QueryDevice& device() override { return device_; }
+    Result<bool> use_test_method(TestMethod) override { return true; }
     Result<bool> resize(glm::ivec2, int) override { return true; }
     void finish() override {}
     void warm_up() override {}

@@ -66,7 +66,8 @@ void add_stage_options(CLI::App& app, RawStage& raw, bool several)
         ->capture_default_str();
     app.add_option("--device", raw.device,
                    "Who draws and tests: gl or cpu (default: gl, or cpu where there is no OpenGL)");
-    app.add_option("--test", stage.test, "How boxes are tested: queries")->capture_default_str();
+    app.add_option("--test", stage.test, "How boxes are tested: queries, raster (gl) or pyramid")
+        ->capture_default_str();
     app.add_option("--path", stage.path,
                    "The camera's path: auto, a name of 'occlude list paths', or a FILE.json")
         ->capture_default_str();
@@ -74,9 +75,7 @@ void add_stage_options(CLI::App& app, RawStage& raw, bool several)
     app.add_option("--msaa", stage.samples, "Samples per pixel")
         ->capture_default_str()
         ->check(whole_number(1, kMaxSamples));
-    app.add_option(
-           "--set", stage.sets,
-           "An option of an algorithm: ALGORITHM.OPTION=VALUE")
+    app.add_option("--set", stage.sets, "An option of an algorithm: ALGORITHM.OPTION=VALUE")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--leaf-triangles", stage.leaf_triangles,

@@ -8,8 +8,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+#include <optional>
 #include <ostream>
 #include <string_view>
+#include <utility>
 
 namespace occlude::tools {
 
@@ -26,6 +30,16 @@ static SceneOptions scene_options(const StageOptions& options)
     return scene;
 }
 
+static std::optional<TestMethod> test_method(std::string_view name)
+{
+    constexpr std::pair<std::string_view, TestMethod> kMethods[] = {
+        {"queries", TestMethod::queries},
+        {"raster", TestMethod::raster},
+        {"pyramid", TestMethod::pyramid}};
+    const auto found = std::ranges::find(kMethods, name, [](const auto& m) { return m.first; });
+    return found == std::end(kMethods) ? std::nullopt : std::optional{found->second};
+}
+
 Result<bool> check_stage_options(const StageOptions& options)
 {
     const auto unknown = [](std::string_view option, std::string_view value,
@@ -37,8 +51,8 @@ Result<bool> check_stage_options(const StageOptions& options)
     if (const auto kinds = parse_hierarchies(options.hierarchy); !kinds) {
         return kinds.error();
     }
-    if (options.test != "queries") {
-        return unknown("--test", options.test, "queries");
+    if (!test_method(options.test)) {
+        return unknown("--test", options.test, "queries, raster or pyramid");
     }
     if (options.split != "centroid" && options.split != "exact") {
         return unknown("--split", options.split, "centroid or exact");
@@ -161,6 +175,17 @@ Stage Session::stage()
     return stage;
 }
 
+// Tells the device how to test; an error names the option.
+Result<bool> Session::choose_test()
+{
+    const auto chosen = renderer_->use_test_method(*test_method(options_.test));
+    if (!chosen) {
+        return Error{chosen.error().code,
+                     fmt::format("--test {}: {}", options_.test, chosen.error().message)};
+    }
+    return true;
+}
+
 Result<bool> Session::make_renderer(std::ostream& notes)
 {
     device_name_ = options_.device.value_or("gl");
@@ -168,7 +193,7 @@ Result<bool> Session::make_renderer(std::ostream& notes)
         auto renderer = make_gl_renderer(model_, scene_.items, options_.size, options_.samples);
         if (renderer) {
             renderer_ = std::move(*renderer);
-            return true;
+            return choose_test();
         }
         if (options_.device || options_.samples > 1) {
             return renderer.error();
@@ -182,7 +207,7 @@ Result<bool> Session::make_renderer(std::ostream& notes)
         return renderer.error();
     }
     renderer_ = std::move(*renderer);
-    return true;
+    return choose_test();
 }
 
 Result<std::unique_ptr<Session>> Session::open(const std::string& scene,

@@ -59,6 +59,7 @@ private:
 
     Session(SceneModel model, const StageOptions& options, std::span<const std::string> kinds);
     Result<bool> make_renderer(std::ostream& notes);
+    Result<bool> choose_test();
     TwoLevelOptions two_level_options() const;
     void make_motion();
     std::unique_ptr<MovingTree> make_moving(Tree& tree) const;

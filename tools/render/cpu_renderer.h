@@ -47,6 +47,7 @@ public:
     std::string api() const override { return "cpu"; }
     std::string renderer_name() const override { return "scalar software rasteriser"; }
     QueryDevice& device() override { return device_; }
+    Result<bool> use_test_method(TestMethod method) override { return device_.use_method(method); }
 
     /// Errors: invalid_argument for a size outside of [1, cpu::kMaxSide]; unsupported for more than
     /// one sample per pixel.

@@ -70,6 +70,7 @@ public:
     std::string api() const override;
     std::string renderer_name() const override;
     QueryDevice& device() override { return *device_; }
+    Result<bool> use_test_method(TestMethod method) override { return device_->use_method(method); }
     Result<bool> resize(glm::ivec2 size, int samples) override;
     void finish() override;
     void warm_up() override;

@@ -41,6 +41,9 @@ public:
     /// The device whose draws this renderer executes. Lives as long as the renderer.
     virtual QueryDevice& device() = 0;
 
+    /// Makes `method` the device's default. Fails, and says which there are, if it has none such.
+    virtual Result<bool> use_test_method(TestMethod method) = 0;
+
     /// Changes the size of the target. Outside frames only.
     virtual Result<bool> resize(glm::ivec2 size, int samples) = 0;
 

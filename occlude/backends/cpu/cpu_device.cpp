@@ -61,8 +61,28 @@ CpuDevice::CpuDevice(const CpuScene& scene, const CpuDeviceOptions& options)
     caps_.methods = {{.method = TestMethod::queries,
                       .us_per_batch = 0.1f,
                       .us_per_test = 0.1f,
-                      .us_per_box = 20.0f}};
+                      .us_per_box = 20.0f},
+                     {.method = TestMethod::pyramid,
+                      .us_per_batch = 300.0f,
+                      .us_per_test = 0.1f,
+                      .us_per_box = 0.1f,
+                      .exact_counts = false}};
     caps_.us_per_triangle = 0.1f;
+}
+
+Result<bool> CpuDevice::use_method(TestMethod method)
+{
+    const TestMethod wanted = method == TestMethod::automatic ? TestMethod::queries : method;
+    const auto found = std::ranges::find(caps_.methods, wanted, &TestCost::method);
+    if (found == caps_.methods.end()) {
+        return Error{
+            ErrorCode::unsupported,
+            "the cpu device has no test method 'raster'; choose queries or pyramid, or the "
+            "gl device"};
+    }
+    std::rotate(caps_.methods.begin(), found, found + 1);
+    caps_.exact_counts = caps_.methods.front().exact_counts;
+    return true;
 }
 
 void CpuDevice::begin_frame(const View& view)
@@ -84,6 +104,7 @@ void CpuDevice::begin_frame(const View& view)
     }
     std::fill(depth_.begin(), depth_.end(), kClearDepth);
     translucent_.clear();
+    pyramid_.forget();
 }
 
 const cpu::Vertex* CpuDevice::transformed_vertex(const CpuItem& item,
@@ -180,6 +201,7 @@ void CpuDevice::draw(std::span<const ItemId> items, DrawPass pass)
     if (!in_frame_ || pass == DrawPass::shade_equal) {
         return;
     }
+    pyramid_.forget();
     for (const ItemId item : items) {
         const CpuItem drawn = scene_.item(item);
         if (!drawn.translucent) {
@@ -201,6 +223,7 @@ Ticket CpuDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
         return {};
     }
     next_stamp();
+    pyramid_.forget();
     uint64_t samples = 0;
     for (const ItemId item : items) {
         const CpuItem drawn = scene_.item(item);
@@ -266,6 +289,15 @@ uint64_t CpuDevice::count_box(const QueryBox& box)
     return samples;
 }
 
+void CpuDevice::test_with_pyramid(const QueryBatch& batch)
+{
+    if (in_frame_ && transform_.usable() && !pyramid_.fresh()) {
+        std::ranges::copy(depth_, pyramid_.resize(size_px_).begin());
+        pyramid_.build();
+    }
+    pyramid_.answer(view_, batch, answers_);
+}
+
 Answer CpuDevice::test(std::span<const QueryBox> boxes)
 {
     const bool answerable =
@@ -287,6 +319,15 @@ void CpuDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
     OCCLUDE_ASSERT(in_frame_, "query outside of a frame (C1)");
     OCCLUDE_ASSERT(tickets.size() == batch.test_ends.size(), "one ticket per test");
     std::fill(tickets.begin(), tickets.end(), Ticket{});
+    const auto named = std::ranges::find(caps_.methods, batch.method, &TestCost::method);
+    const TestCost& cost = named != caps_.methods.end() ? *named : caps_.methods.front();
+    if (cost.method == TestMethod::pyramid) {
+        test_with_pyramid(batch);
+        for (size_t i = 0; i < std::min(tickets.size(), answers_.size()); ++i) {
+            tickets[i] = issue(answers_[i]);
+        }
+        return;
+    }
     size_t begin = 0;
     for (size_t i = 0; i < std::min(tickets.size(), batch.test_ends.size()); ++i) {
         const size_t end = batch.test_ends[i];

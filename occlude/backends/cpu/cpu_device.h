@@ -24,7 +24,9 @@
 
 #include <occlude/backends/cpu/cpu_scene.h>
 #include <occlude/backends/cpu/rasterizer.h>
+#include <occlude/core/pyramid_tests.h>
 #include <occlude/core/query_device.h>
+#include <occlude/core/result.h>
 
 #include <cstdint>
 #include <span>
@@ -72,8 +74,13 @@ public:
     /// `shade` alone.
     void draw(std::span<const ItemId> items, DrawPass pass) override;
 
-    /// Answers at once, whatever the method. A box that is not bounded or touches the near
-    /// rectangle makes its test lost, and so does a test without boxes.
+    /// Makes `method`, queries or pyramid, the one of batches that name none (`automatic`: queries
+    /// again). Fails, and says which there are, for others. Outside frames only.
+    Result<bool> use_method(TestMethod method);
+
+    /// Answers at once, by the default method where the batch names one that caps.methods does not
+    /// list. A box that is not bounded or (with queries) touches the near rectangle makes its test
+    /// lost, and so does a test without boxes.
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
 
     /// Counts the samples that the items won while they were drawn, each once, even if an item of
@@ -113,6 +120,7 @@ private:
     bool blend(size_t pixel, double depth, ItemId item, uint32_t triangle);
     bool write(size_t pixel, double depth, ItemId item, uint32_t triangle);
     bool owns(size_t pixel, double depth, ItemId item) const;
+    void test_with_pyramid(const QueryBatch& batch);
     Answer test(std::span<const QueryBox> boxes);
     uint64_t count_box(const QueryBox& box);
     bool testable(const QueryBox& box) const;
@@ -139,6 +147,9 @@ private:
     std::vector<cpu::Vertex> vertices_; ///< of the item being drawn, where vertex_stamps_ says so
     std::vector<uint32_t> vertex_stamps_;
     uint32_t current_vertex_stamp_ = 0;
+
+    PyramidTests pyramid_;
+    std::vector<Answer> answers_; ///< of one batch of the method pyramid
 
     std::vector<Slot> slots_;
     std::vector<uint32_t> free_slots_;

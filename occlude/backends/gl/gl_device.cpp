@@ -1,9 +1,10 @@
 #include <occlude/backends/gl/gl_device.h>
 
+#include <occlude/backends/gl/detail/gl_box_tests.h>
 #include <occlude/backends/gl/detail/gl_depth_reader.h>
 #include <occlude/backends/gl/detail/gl_query_pool.h>
-#include <occlude/backends/gl/detail/gl_query_tests.h>
 #include <occlude/core/assert.h>
+#include <occlude/core/pyramid_tests.h>
 
 #include <glm/common.hpp>
 
@@ -16,17 +17,35 @@ namespace occlude::gl {
 namespace {
 
 constexpr int kOldestVersion = 33;
-constexpr int kBaseInstanceVersion = 42;
 
-// What queries cost with llvmpipe on two cores, flush and resume included in the batch.
+// Rough guesses for llvmpipe on two cores, flush and resume included in the batch.
 constexpr TestCost kQueriesCost{TestMethod::queries, 60.0f, 18.0f, 4.0f};
+constexpr TestCost kRasterCost{TestMethod::raster, 150.0f, 1.0f, 4.0f, false};
+constexpr TestCost kPyramidCost{TestMethod::pyramid, 1000.0f, 0.1f, 0.1f, false};
+
+const char* name(TestMethod method)
+{
+    switch (method) {
+    case TestMethod::queries:
+        return "queries";
+    case TestMethod::raster:
+        return "raster";
+    case TestMethod::pyramid:
+        return "pyramid";
+    case TestMethod::automatic:
+        break;
+    }
+    return "automatic";
+}
 
 } // namespace
 
 struct GlDevice::Parts {
-    std::unique_ptr<GlQueryTests> tests;
+    std::unique_ptr<GlBoxTests> tests;
     std::unique_ptr<GlDepthReader> depth;
     GlQueryPool pool;
+    PyramidTests pyramid;
+    std::vector<Answer> answers; ///< of one batch
 };
 
 Result<std::unique_ptr<GlDevice>> GlDevice::create(GlScene& scene, const GlDeviceOptions& options)
@@ -44,7 +63,7 @@ Result<std::unique_ptr<GlDevice>> GlDevice::create(GlScene& scene, const GlDevic
                          std::to_string(version / 10) + "." + std::to_string(version % 10) +
                          ", but a GlDevice needs OpenGL 3.3 core or newer"};
     }
-    auto tests = GlQueryTests::create(version >= kBaseInstanceVersion, options.depth_bias);
+    auto tests = GlBoxTests::create(version, options.depth_bias);
     if (!tests) {
         return tests.error();
     }
@@ -53,13 +72,16 @@ Result<std::unique_ptr<GlDevice>> GlDevice::create(GlScene& scene, const GlDevic
         return depth.error();
     }
     auto parts = std::make_unique<Parts>(
-        Parts{std::move(*tests), std::move(*depth), GlQueryPool{options.max_outstanding}});
+        Parts{std::move(*tests), std::move(*depth), GlQueryPool{options.max_outstanding}, {}, {}});
     std::unique_ptr<GlDevice> device(new GlDevice(scene, std::move(parts)));
     device->caps_.name = "gl";
     device->caps_.draw_and_query = true;
     device->caps_.read_depth = true;
     device->caps_.max_outstanding = options.max_outstanding;
-    device->caps_.methods = {kQueriesCost};
+    device->caps_.methods = {kQueriesCost, kPyramidCost};
+    if (device->parts_->tests->can_raster()) {
+        device->caps_.methods.push_back(kRasterCost);
+    }
     return device;
 }
 
@@ -76,9 +98,34 @@ const DeviceCaps& GlDevice::caps() const
     return caps_;
 }
 
+bool GlDevice::has_method(TestMethod method) const
+{
+    return std::ranges::find(caps_.methods, method, &TestCost::method) != caps_.methods.end();
+}
+
+Result<bool> GlDevice::use_method(TestMethod method)
+{
+    const TestMethod wanted = method == TestMethod::automatic ? TestMethod::queries : method;
+    const auto found = std::ranges::find(caps_.methods, wanted, &TestCost::method);
+    if (found == caps_.methods.end()) {
+        std::string there;
+        for (const TestCost& cost : caps_.methods) {
+            there += (there.empty() ? "" : ", ") + std::string(name(cost.method));
+        }
+        return Error{
+            ErrorCode::unsupported,
+            "the test method '" + std::string(name(wanted)) +
+                "' needs OpenGL 4.3, which this context does not have; choose one of: " + there};
+    }
+    std::rotate(caps_.methods.begin(), found, found + 1);
+    caps_.exact_counts = caps_.methods.front().exact_counts;
+    return true;
+}
+
 void GlDevice::begin_frame(const View& view)
 {
     view_ = view;
+    parts_->pyramid.forget();
     parts_->pool.begin_frame();
     parts_->tests->set_view(view);
     mode_ = Mode::drawing;
@@ -100,17 +147,48 @@ void GlDevice::leave_tests()
 void GlDevice::draw(std::span<const ItemId> items, DrawPass pass)
 {
     leave_tests();
+    parts_->pyramid.forget();
     scene_.draw(items, pass);
+}
+
+TestMethod GlDevice::method_of(const QueryBatch& batch) const
+{
+    return has_method(batch.method) ? batch.method : caps_.methods.front().method;
 }
 
 void GlDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
     OCCLUDE_ASSERT(tickets.size() == batch.test_ends.size(), "query(): one ticket per test");
-    if (mode_ != Mode::testing) {
-        parts_->tests->enter();
-        mode_ = Mode::testing;
+    const TestMethod method = method_of(batch);
+    if (method == TestMethod::pyramid) {
+        test_with_pyramid(batch, tickets);
+        return;
     }
-    parts_->tests->run(batch, parts_->pool, tickets);
+    const Mode mode = method == TestMethod::raster ? Mode::raster : Mode::queries;
+    if (mode_ != mode) {
+        parts_->tests->enter(method);
+        mode_ = mode;
+    }
+    if (method == TestMethod::raster) {
+        parts_->tests->raster(batch, parts_->pool, tickets);
+    } else {
+        parts_->tests->queries(batch, parts_->pool, tickets);
+    }
+}
+
+void GlDevice::test_with_pyramid(const QueryBatch& batch, std::span<Ticket> tickets)
+{
+    const glm::ivec2 size = view_.size_px();
+    if (!parts_->pyramid.fresh() && size.x > 0 && size.y > 0 &&
+        read_depth({0, 0, size.x, size.y}, parts_->pyramid.resize(size))) {
+        parts_->pyramid.build();
+    }
+    parts_->pyramid.answer(view_, batch, parts_->answers);
+    for (size_t test = 0; test < tickets.size(); ++test) {
+        const Answer& answer = parts_->answers[test];
+        tickets[test] =
+            answer.state == AnswerState::ready ? parts_->pool.answered(answer.samples) : Ticket{};
+    }
 }
 
 Ticket GlDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
@@ -119,6 +197,7 @@ Ticket GlDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
         return parts_->pool.answered(0); // some drivers mishandle a query without a draw
     }
     leave_tests();
+    parts_->pyramid.forget();
     const Ticket ticket = parts_->pool.begin();
     scene_.draw(items, pass);
     if (ticket.valid()) {
@@ -172,8 +251,10 @@ void GlDevice::warm_up()
     const QueryBox box{{glm::vec3{-1.0f}, glm::vec3{1.0f}}, nullptr, {}};
     const std::array<uint32_t, 1> ends{1};
     std::array<Ticket, 1> tickets;
-    query({{&box, 1}, ends, TestMethod::queries}, tickets);
-    wait(tickets[0]);
+    for (const TestCost& cost : caps_.methods) {
+        query({{&box, 1}, ends, cost.method}, tickets);
+        wait(tickets[0]);
+    }
     float depth = 0.0f;
     read_depth({0, 0, 1, 1}, {&depth, 1});
 }

@@ -8,7 +8,8 @@
 // GlScene::restore_state(), just before the next draw() and before end_frame():
 //   program, vertex array, GL_ARRAY_BUFFER, colour mask and depth mask (off), depth test (on),
 //   depth function (LEQUAL, or GEQUAL where near is large), GL_DEPTH_CLAMP (on), GL_CULL_FACE (off)
-// and, after read_depth only:
+// with the method `raster` also: GL_SHADER_STORAGE_BUFFER and its binding point 7
+// and, after read_depth and with the method `pyramid` only:
 //   blending and stencil test (off), active texture unit (0), unit 0's GL_TEXTURE_2D_MULTISAMPLE,
 //   GL_PIXEL_PACK_BUFFER (0), pack alignment (4), pack row length and skips (0)
 //
@@ -19,7 +20,7 @@
 //
 // Counts: a box is drawn with the back of its faces, so that neither winding nor mirrored
 // transforms matter; a wholly visible box that covers n samples answers up to 2 n. draw_and_query
-// counts as the geometry is drawn.
+// counts as the geometry is drawn. The methods raster and pyramid answer 0, or 1 for "some".
 #pragma once
 
 #include <occlude/backends/gl/gl_scene.h>
@@ -65,8 +66,16 @@ public:
     void begin_frame(const View& view) override;
     void draw(std::span<const ItemId> items, DrawPass pass) override;
 
-    /// The methods are `queries` only: another one named by `batch` is answered by queries too.
-    /// Empty tests and tests of unbounded boxes, which break C5 and C6, are lost.
+    /// Makes `method` the one of batches that name none (`automatic`: queries again). Fails, and
+    /// says which there are, if this context has no such method. Outside frames only.
+    Result<bool> use_method(TestMethod method);
+
+    /// A batch that names a method which caps.methods does not list gets the default one. Empty
+    /// tests and tests of unbounded boxes, which break C5 and C6, are lost.
+    ///   queries  one occlusion query and one instanced draw per test
+    ///   raster   one instanced draw per batch into a buffer of flags, from OpenGL 4.3 on
+    ///   pyramid  reads depth once after each draw(), if a test comes, and answers on the CPU:
+    ///            query() blocks until the draws are done, and its answers are there at once
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
     Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override;
 
@@ -83,9 +92,12 @@ private:
     struct Parts;
     GlDevice(GlScene& scene, std::unique_ptr<Parts> parts);
     void leave_tests();
+    TestMethod method_of(const QueryBatch& batch) const;
+    void test_with_pyramid(const QueryBatch& batch, std::span<Ticket> tickets);
+    bool has_method(TestMethod method) const;
 
-    // Whose state is set: the engine's, that of tests, or neither's.
-    enum class Mode : uint8_t { drawing, testing, unknown };
+    // Whose state is set: the engine's, that of a method of testing, or neither's.
+    enum class Mode : uint8_t { drawing, queries, raster, unknown };
 
     GlScene& scene_;
     std::unique_ptr<Parts> parts_;

@@ -1,5 +1,7 @@
 #include <occlude/backends/gl/detail/gl_query_pool.h>
 
+#include <utility>
+
 namespace occlude::gl {
 
 namespace {
@@ -21,9 +23,21 @@ void GlQueryPool::begin_frame()
     }
     for (Slot& slot : slots_) {
         if (slot.state != SlotState::free && frame_ - slot.frame > kAbandonedAfter &&
-            (slot.state == SlotState::answered || available(slot.query))) {
+            answer_is_there(slot)) {
             spend(slot);
         }
+    }
+}
+
+bool GlQueryPool::answer_is_there(const Slot& slot)
+{
+    switch (slot.state) {
+    case SlotState::issued:
+        return available(slot.query);
+    case SlotState::promised:
+        return slot.flags->available();
+    default:
+        return true;
     }
 }
 
@@ -92,6 +106,18 @@ Ticket GlQueryPool::answered(uint64_t samples)
     return ticket_of(*slot);
 }
 
+Ticket GlQueryPool::promise(std::shared_ptr<GlFlagBatch> flags, size_t test)
+{
+    Slot* slot = take();
+    if (slot == nullptr) {
+        return Ticket{};
+    }
+    slot->state = SlotState::promised;
+    slot->flags = std::move(flags);
+    slot->test = test;
+    return ticket_of(*slot);
+}
+
 // Reads the result, which blocks if it is not there yet.
 Answer GlQueryPool::spend(Slot& slot)
 {
@@ -99,6 +125,9 @@ Answer GlQueryPool::spend(Slot& slot)
     if (slot.state == SlotState::issued) {
         samples = Answer::kUnknownSamples; // stays so if the driver fails
         glGetQueryObjectui64v(slot.query.name(), GL_QUERY_RESULT, &samples);
+    } else if (slot.state == SlotState::promised) {
+        samples = slot.flags->seen(slot.test) ? 1 : 0;
+        slot.flags.reset();
     }
     slot.state = SlotState::free;
     --outstanding_;
@@ -111,7 +140,7 @@ Answer GlQueryPool::poll(Ticket ticket)
     if (slot == nullptr) {
         return Answer::lost();
     }
-    if (slot->state == SlotState::issued && !available(slot->query)) {
+    if (!answer_is_there(*slot)) {
         return Answer::pending();
     }
     return spend(*slot);

@@ -4,6 +4,7 @@
 #include <occlude/core/projection.h>
 #include <occlude/core/view.h>
 
+#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
@@ -15,7 +16,10 @@ namespace occlude::detail {
 /// A view as rows that map a point to (x, y, depth, 1) * w, x and y in pixels and depth from 0
 /// (near) to 1 (far), and how far a device and we ourselves may be off. See projection.cpp.
 struct BoxProjector {
+    /// For boxes in the world that are to be inflated here.
     explicit BoxProjector(const View& view);
+    /// For boxes of tests: in the space of `world_from_box`, inflated already.
+    BoxProjector(const View& view, const glm::mat4& world_from_box);
 
     /// The specification of project() and project_boxes().
     ScreenBounds project(const Aabb& box) const;
@@ -24,6 +28,8 @@ struct BoxProjector {
     /// quotient: between them no result overflows.
     static constexpr float kLargestSlop = 0x1p40f;
     static constexpr float kSmallestW = 0x1p-60f;
+
+    void set_columns(const View& view, const glm::dmat4& clip, const glm::dmat4& magnitude);
 
     std::array<glm::vec4, 4> column{}; ///< what one unit of x, y and z adds, and the origin
     std::array<glm::vec4, 4> slop{};   ///< the same of the possible error, of coordinates >= 0

@@ -1,10 +1,13 @@
-// The ring of occlusion query objects behind a GlDevice's tickets.
+// What is behind a GlDevice's tickets: a ring of occlusion query objects, some of which stand for an
+// answer that comes, or came, in another way.
 #pragma once
 
+#include <occlude/backends/gl/detail/gl_flag_batch.h>
 #include <occlude/backends/gl/detail/gl_object.h>
 #include <occlude/core/query_device.h>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace occlude::gl {
@@ -35,6 +38,9 @@ public:
     /// A ticket whose answer is known without a query; invalid if the pool is full.
     Ticket answered(uint64_t samples);
 
+    /// A ticket for a flag of a batch: 1 sample if it is set, else 0. Invalid if the pool is full.
+    Ticket promise(std::shared_ptr<GlFlagBatch> flags, size_t test);
+
     /// The answer if it is there, without blocking; spends the ticket unless pending.
     Answer poll(Ticket ticket);
 
@@ -44,16 +50,19 @@ public:
     uint32_t outstanding() const { return outstanding_; }
 
 private:
-    enum class SlotState : uint8_t { free, issued, answered };
+    enum class SlotState : uint8_t { free, issued, promised, answered };
     struct Slot {
         GlQuery query;
-        uint64_t frame = 0; ///< when it was begun
-        uint64_t samples = 0;
+        uint64_t frame = 0;                 ///< when it was begun
+        uint64_t samples = 0;               ///< if answered
+        std::shared_ptr<GlFlagBatch> flags; ///< if promised
+        size_t test = 0;                    ///< likewise
         uint32_t generation = 0;
         SlotState state = SlotState::free;
     };
 
     Slot* find(Ticket ticket);
+    static bool answer_is_there(const Slot& slot);
     Slot* take();
     Ticket ticket_of(const Slot& slot) const;
     Answer spend(Slot& slot);

@@ -1,0 +1,88 @@
+// The test methods that draw boxes. `queries`: one occlusion query and one instanced draw per test.
+// `raster`: one instanced draw for all boxes of a batch, whose fragments set the flag of their test.
+#pragma once
+
+#include <occlude/backends/gl/detail/gl_flag_batch.h>
+#include <occlude/backends/gl/detail/gl_object.h>
+#include <occlude/backends/gl/detail/gl_query_pool.h>
+#include <occlude/core/query_device.h>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace occlude::gl {
+
+/// Draws the boxes of tests as instances of a cube, both sides of all faces, writing nothing.
+class GlBoxTests {
+public:
+    /// `gl_version` (10 * major + minor) decides what may be used; `raster` needs kRasterVersion.
+    /// `depth_bias`: how much nearer than they are boxes are tested, in window depth.
+    static Result<std::unique_ptr<GlBoxTests>> create(int gl_version, float depth_bias);
+
+    static constexpr int kBaseInstanceVersion = 42;
+    static constexpr int kRasterVersion = 43;
+    /// The index of GL_SHADER_STORAGE_BUFFER that raster() binds: the last that there always is.
+    static constexpr GLuint kFlagBinding = 7;
+
+    bool can_raster() const { return raster_.program.name() != 0; }
+
+    /// The camera of the tests from now on.
+    void set_view(const View& view);
+
+    /// Sets all state that queries() or raster() needs: the one state change of a batch.
+    void enter(TestMethod method);
+
+    /// Issues one query per test, in order. A test that the pool has no room for, that has no box
+    /// or that has an unbounded one gets an invalid ticket: lost. Precondition: enter() was called
+    /// for this method after the last change of state by anybody else.
+    void queries(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets);
+
+    /// The same with one draw. Answers count 1 sample or none. Precondition: can_raster().
+    void raster(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets);
+
+private:
+    // One box as the vertex shader reads it: its corners, and an affine matrix row by row.
+    struct BoxRow {
+        glm::vec3 min;
+        glm::vec3 max;
+        std::array<glm::vec4, 3> world_from_box;
+        uint32_t test; // which flag is set, by raster
+    };
+    static_assert(sizeof(BoxRow) == 76);
+
+    // A program and where its uniforms are.
+    struct Program {
+        GlProgram program;
+        GLint clip_from_world = -1;
+        GLint toward_viewer = -1;
+        bool view_changed = true;
+
+        explicit Program(GlProgram made);
+        Program() = default;
+    };
+
+    GlBoxTests(Program queries, Program raster, bool base_instance, float depth_bias);
+    void add_row(const QueryBox& box, size_t test);
+    size_t write_rows();
+    void point_attributes_at(size_t offset);
+    void draw(size_t first_offset, uint32_t first, uint32_t count);
+
+    Program queries_;
+    Program raster_; // no program where OpenGL is too old
+    GlFlagBatches flags_;
+    GlVertexArray vertex_array_;
+    GlBuffer indices_;
+    GlStreamBuffer stream_;
+    std::vector<BoxRow> rows_;
+    View view_;
+    float depth_bias_ = 0.0f;
+    bool base_instance_ = false;
+};
+
+} // namespace occlude::gl

@@ -1,0 +1,57 @@
+// The answers of one batch of the test method `raster`: a buffer of flags, one per test, and the fence
+// behind the draw that sets them.
+#pragma once
+
+#include <occlude/backends/gl/detail/gl_object.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace occlude::gl {
+
+class GlFlagBatch {
+public:
+    GlFlagBatch()
+        : buffer_(GlBuffer::make())
+    {
+    }
+    ~GlFlagBatch() { forget_fence(); }
+    GlFlagBatch(const GlFlagBatch&) = delete;
+    GlFlagBatch& operator=(const GlFlagBatch&) = delete;
+
+    /// Makes room for `tests` flags, all 0, and binds them to `binding` of
+    /// GL_SHADER_STORAGE_BUFFER. The flags of before are gone.
+    void begin(size_t tests, GLuint binding);
+
+    /// To be called after the draw that sets the flags.
+    void end();
+
+    /// True if the flags can be read without waiting. Never blocks, but a driver may flush here.
+    bool available();
+
+    /// True if `test` set its flag. Waits for the draw and reads all flags at the first call.
+    /// Nothing is known, and every test counts as seen, if the driver fails.
+    bool seen(size_t test);
+
+private:
+    void forget_fence();
+
+    GlBuffer buffer_;
+    GLsync fence_ = nullptr; ///< null once the flags were read
+    std::vector<uint32_t> flags_;
+};
+
+/// Batches in turn. One is never begun again while somebody holds it, that is, before all of its
+/// answers were read or given up.
+class GlFlagBatches {
+public:
+    std::shared_ptr<GlFlagBatch> take();
+
+private:
+    std::vector<std::shared_ptr<GlFlagBatch>> batches_;
+    size_t next_ = 0;
+};
+
+} // namespace occlude::gl
