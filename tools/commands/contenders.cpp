@@ -167,14 +167,13 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
             return values.error();
         }
         values->insert(values->end(), choice.options.begin(), choice.options.end());
-        contenders.push_back(
-            {.name = choice.label,
-             .make =
-                 [name = choice.info->name, values = std::move(*values), clock](
-                     const Hierarchy& hierarchy) {
-                     return make_culler(name, hierarchy, values, clock);
-                 },
-             .remembers = choice.info->remembers});
+        contenders.push_back({.name = choice.label,
+                              .make =
+                                  [name = choice.info->name, values = std::move(*values),
+                                   clock](const Hierarchy& hierarchy) {
+                                      return make_culler(name, hierarchy, values, clock);
+                                  },
+                              .remembers = choice.info->remembers});
     }
     return contenders;
 }
