@@ -54,9 +54,7 @@ constexpr double kTexelsPerUs = 25.0;
 constexpr double kMostTexels = 16384.0;
 constexpr double kLeastTexels = 16.0;
 
-// Below this much drawing a frame says nothing about the cost of drawing.
-constexpr double kLeastSample = 256.0;
-// ... and below this many tests nothing about theirs.
+// Below this many tests a frame says nothing about what they cost.
 constexpr size_t kLeastTests = 64;
 
 FramePlan::Kind kind_of(TestMethod method)
@@ -72,12 +70,6 @@ FramePlan::Kind kind_of(TestMethod method)
         break;
     }
     return FramePlan::Kind::draw_all;
-}
-
-double drawn_units(const CostModel& costs, const CullFrame& frame)
-{
-    const FrameCounters& counters = frame.counters();
-    return costs.units(counters.triangles_drawn, counters.items_drawn);
 }
 
 } // namespace
@@ -244,7 +236,7 @@ void Adaptive::draw_all(CullFrame& frame)
 {
     walk_.draw_all(frame);
     frame.flush_draws();
-    const double drawn = drawn_units(costs_, frame);
+    const double drawn = costs_.units(frame.counters());
     const double drawn_us = costs_.us_per_unit() * drawn;
     ++frames_since_probe_;
     FramePlan& plan = frame.plan();
@@ -278,7 +270,7 @@ void Adaptive::judge(CullFrame& frame)
     plan.reason = options_.method != AdaptiveOptions::Method::automatic ? FramePlan::Reason::chosen
                   : first_look_ ? FramePlan::Reason::first_look
                                 : FramePlan::Reason::saves;
-    plan.drawn_us = static_cast<float>(costs_.us_per_unit() * drawn_units(costs_, frame));
+    plan.drawn_us = static_cast<float>(costs_.us_per_unit() * costs_.units(frame.counters()));
     plan.saved_us = static_cast<float>(saved_us);
     plan.spent_us = static_cast<float>(spent_us_);
     const double ratio = saved_us / std::max(spent_us_, 1e-3);
@@ -404,7 +396,7 @@ bool Adaptive::read_depth(CullFrame& frame)
 {
     const glm::ivec2 size = frame.view().size_px();
     frame.flush_draws();
-    const double units = drawn_units(costs_, frame);
+    const double units = costs_.units(frame.counters());
     if (size.x <= 0 || size.y <= 0 || units == 0.0) {
         return false;
     }
@@ -418,7 +410,7 @@ bool Adaptive::read_depth(CullFrame& frame)
     measure_read(frame);
     const double read_us = costs_.round(TestMethod::pyramid).us_per_round;
     spent_us_ += read_us;
-    if (clock_ && units - units_at_read_ >= kLeastSample) {
+    if (clock_) {
         costs_.drew(units - units_at_read_, std::max(read - started_us_ - read_us, 0.0));
     }
     units_at_read_ = units;
@@ -609,7 +601,7 @@ void Adaptive::probe_by_pyramid(CullFrame& frame)
         return;
     }
     const double tested_from = now();
-    const double grain = kProbeGrain * drawn_units(costs_, frame);
+    const double grain = kProbeGrain * costs_.units(frame.counters());
     stack_.assign(1, Candidate{cut_.entries()[0]});
     while (!stack_.empty()) {
         Candidate candidate = stack_.back();

@@ -22,9 +22,6 @@ constexpr double kDepthComplexity = 1.5;
 constexpr size_t kMeasuredTests = 16;
 constexpr int kMeasuredRounds = 3;
 
-// Below this much drawing a frame says nothing about its cost.
-constexpr double kLeastSample = 256.0;
-
 // A method whose hint costs so many times the best is not worth measuring.
 constexpr double kHopeless = 4.0;
 
@@ -274,10 +271,8 @@ void Adaptive::by_rounds(CullFrame& frame)
 // The device is at rest: what did drawing cost?
 void Adaptive::note_drawing(CullFrame& frame)
 {
-    const FrameCounters& counters = frame.counters();
-    const double units = costs_.units(counters.triangles_drawn, counters.items_drawn);
-    if (clock_ && units >= kLeastSample) {
-        costs_.drew(units, std::max(now() - started_us_ - spent_us_, 0.0));
+    if (clock_) {
+        costs_.drew(costs_.units(frame.counters()), std::max(now() - started_us_ - spent_us_, 0.0));
     }
 }
 

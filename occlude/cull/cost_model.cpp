@@ -10,6 +10,9 @@ namespace {
 // What a read-back and a test against it cost before anything was measured.
 constexpr RoundCost kPyramidHint{400.0, 0.1};
 
+// Below this much drawing a frame says nothing about the cost of drawing.
+constexpr double kLeastSample = 256.0;
+
 // Frames must differ so much in their drawing before their difference says what drawing costs.
 constexpr double kApart = 4.0;
 
@@ -61,6 +64,9 @@ void CostModel::take_hints(const DeviceCaps& caps)
 // on it, as no frame costs less than its pixels.
 void CostModel::drew(double units, double us)
 {
+    if (units < kLeastSample) {
+        return;
+    }
     const auto bin = static_cast<size_t>(std::max(std::ilogb(std::max(units, 1.0)), 0));
     Sample& sample = drawn_[std::min(bin, drawn_.size() - 1)];
     sample.units.add(units);

@@ -17,6 +17,7 @@
 //             run.
 #pragma once
 
+#include <occlude/core/frame_report.h>
 #include <occlude/core/query_device.h>
 #include <occlude/hierarchy/hierarchy.h>
 
@@ -67,10 +68,15 @@ public:
     {
         return units(node.subtree_triangles, node.subtree_items);
     }
+    /// What has been drawn of a frame.
+    double units(const FrameCounters& counters) const
+    {
+        return units(counters.triangles_drawn, counters.items_drawn);
+    }
     double us_per_unit() const { return us_per_unit_; }
     double draw_us(const Node& node) const { return us_per_unit_ * units(node); }
 
-    /// `units` were drawn in `us`, from idle to idle, pixels and all.
+    /// `units` were drawn in `us`, from idle to idle, pixels and all. A little says nothing and is left out.
     void drew(double units, double us);
 
     // --- testing ---
