@@ -422,23 +422,13 @@ void LazyGrid::handle(CullFrame& frame, const Entry& entry, Verdict verdict)
     }
 }
 
-float LazyGrid::nearest_untested() const
-{
-    float nearest = Aabb::kInfinity;
-    if (!test_list_.empty()) {
-        nearest = test_list_.front().bounds.near_depth;
-    }
-    for (const Entry& entry : waiting_) {
-        nearest = std::min(nearest, entry.bounds.near_depth);
-    }
-    return nearest;
-}
-
 // With equal depths the test comes first: what is drawn is then wholly nearer than what is not
 // tested yet, as the occlusion buffer needs it.
-bool LazyGrid::draw_comes_first() const
+bool LazyGrid::draw_comes_before(std::span<const Entry> tests) const
 {
-    return !draw_list_.empty() && draw_list_.front().bounds.far_depth < nearest_untested();
+    return !draw_list_.empty() && std::all_of(tests.begin(), tests.end(), [&](const Entry& test) {
+        return draw_list_.front().bounds.far_depth < test.bounds.near_depth;
+    });
 }
 
 void LazyGrid::cull_frame(CullFrame& frame)
@@ -449,9 +439,12 @@ void LazyGrid::cull_frame(CullFrame& frame)
     waiting_.clear();
     insert(frame, hierarchy().root(), Frustum::kAllPlanes);
     while (!test_list_.empty() || !draw_list_.empty() || !waiting_.empty()) {
-        if (draw_comes_first()) {
+        // The first of a heap is the nearest of all in it.
+        const bool before_next_test =
+            draw_comes_before(std::span{test_list_}.first(test_list_.empty() ? 0 : 1));
+        if (before_next_test && draw_comes_before(waiting_)) {
             draw(frame, pop(draw_list_, by_farthest_depth));
-        } else if (!test_list_.empty()) {
+        } else if (!before_next_test && !test_list_.empty()) {
             test(frame, pop(test_list_, by_nearest_depth));
         } else {
             test_waiting(frame);

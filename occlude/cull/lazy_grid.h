@@ -77,7 +77,7 @@ struct LazyGridOptions {
     /// Tests that need pixels wait until this many do, and are then made against the same depth:
     /// fewer changes from drawing to looking, and hidden boxes just behind each other are found
     /// less often. 1: each test at once, as in the paper.
-    uint32_t tests_at_once = 8;
+    uint32_t tests_at_once = 32;
     /// A cell that must be asked counts as free, unasked, while the rectangles of the boxes drawn
     /// into it add up to less than this share of its area. 0: off.
     double free_below_covered = 0.0;
@@ -119,8 +119,7 @@ private:
 
     // --- the traversal ---
     void insert(CullFrame& frame, NodeId node, PlaneMask mask);
-    bool draw_comes_first() const;
-    float nearest_untested() const;
+    bool draw_comes_before(std::span<const Entry> tests) const;
     void test(CullFrame& frame, const Entry& entry);
     void test_waiting(CullFrame& frame);
     void handle(CullFrame& frame, const Entry& entry, Verdict verdict);

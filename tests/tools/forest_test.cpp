@@ -8,7 +8,7 @@ using namespace test;
 TEST(Forest, HasTheTreesAndAboutTheTrianglesAskedFor)
 {
     const SceneModel model = loaded("forest");
-    EXPECT_EQ(model.instances.size(), 1001u); // and the ground
+    EXPECT_EQ(model.instances.size(), 10001u); // and the ground
     EXPECT_EQ(model.meshes.size(), 13u);
     EXPECT_NEAR(static_cast<double>(drawn_triangles(model)), 1.7e6, 0.02 * 1.7e6);
     EXPECT_NEAR(static_cast<double>(drawn_triangles(loaded("forest:triangles=200k,trees=100"))),
@@ -18,7 +18,7 @@ TEST(Forest, HasTheTreesAndAboutTheTrianglesAskedFor)
 TEST(Forest, IsTheSameOnEveryMachineAndFollowsItsSeed)
 {
     const uint64_t hash = hash_of(loaded("forest:triangles=50k,trees=50,seed=3"));
-    EXPECT_EQ(hash, 2641992828174138445u);
+    EXPECT_EQ(hash, 17484425099099278585u);
     EXPECT_NE(hash, hash_of(loaded("forest:triangles=50k,trees=50,seed=4")));
 }
 
@@ -36,11 +36,9 @@ TEST(Forest, WalkIsFreeAndSmooth)
     }
 }
 
-TEST(Forest, HidesThroughLeaks)
+TEST(Forest, HidesMostOfItself)
 {
-    const double hidden = hidden_share(loaded("forest:triangles=400k,trees=400"), "walk", 6);
-    EXPECT_GT(hidden, 0.1);
-    EXPECT_LT(hidden, 0.9);
+    EXPECT_GT(hidden_share(loaded("forest:triangles=200k,trees=1200"), "walk", 6), 0.7);
 }
 
 } // namespace

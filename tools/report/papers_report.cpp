@@ -154,7 +154,7 @@ std::string papers_report(const SuiteResults& results)
         "# The papers' figures, and ours\n\n"
         "Written by `occlude bench --suite papers --scale {}`; not by hand. Scale: **{}** ({}). "
         "Device: {}.\n\n{}"
-        "Times are medians over the measured frames (the papers: totals or means), algorithms "
+        "Times are means over the measured frames, as in the papers (or totals), algorithms "
         "interleaved frame by frame in one run; between them, all algorithms that remember frames "
         "cull the whole path. Ratios of "
         "counters carry over to other machines where milliseconds do not. `frustum`, their "

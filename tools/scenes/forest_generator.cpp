@@ -17,8 +17,8 @@
 namespace occlude::tools {
 namespace {
 
-constexpr float kSpacing = 5.0f; // metres between trees, about
-constexpr float kFreeWay = 2.6f; // between the walker and a trunk
+constexpr float kSpacing = 3.6f; // metres between trees, about
+constexpr float kFreeWay = 3.2f; // between the walker and a trunk
 constexpr float kEyeHeight = 1.7f;
 constexpr float kGroundCell = 4.0f;
 constexpr uint32_t kVariants = 6; // of each kind
@@ -73,29 +73,48 @@ glm::vec3 random_in_ball(Rng& rng)
     }
 }
 
-/// A trunk that narrows to a point.
+/// A trunk that narrows to a point: 24 triangles.
 void add_trunk(MeshBuilder& builder, float height, float radius)
 {
-    const std::array<glm::vec2, 4> profile{
-        {{1.4f * radius, -0.5f}, {radius, 0.4f}, {0.6f * radius, 0.6f * height}, {0.0f, height}}};
+    const std::array<glm::vec2, 3> profile{
+        {{1.4f * radius, -0.5f}, {radius, 0.4f}, {0.0f, height}}};
     turned(builder, glm::vec3{0.0f}, profile, 8);
 }
 
-Mesh make_spruce(uint64_t seed, size_t budget, uint32_t item_triangles)
+size_t left_of(size_t budget, const MeshBuilder& builder)
 {
-    Rng rng(seed);
-    const float height = rng.range(9.0f, 15.0f);
-    MeshBuilder builder;
-    add_trunk(builder, height, 0.018f * height);
-    const float reach = rng.range(1.7f, 2.3f);
-    const size_t twigs = budget > builder.triangles() ? (budget - builder.triangles()) / 2 : 0;
+    return budget > builder.triangles() ? budget - builder.triangles() : 0;
+}
+
+/// Branches that grow close: hanging cones with ragged rims, one above the other, 8 triangles each.
+void add_cones(MeshBuilder& builder, Rng& rng, float height, float reach, uint32_t cones)
+{
+    const std::vector<glm::vec2> circle = unit_circle(8);
+    for (uint32_t i = 0; i < cones; ++i) {
+        const float up = static_cast<float>(i) / static_cast<float>(cones);
+        const float rim = 0.3f + (height - 0.3f) * up;
+        const float tip = std::min(rim + 2.2f * height / static_cast<float>(cones), height);
+        std::array<glm::vec3, 8> points;
+        for (size_t k = 0; k < points.size(); ++k) {
+            const float out = reach * (1.0f - up) * rng.range(0.75f, 1.05f);
+            points[k] = {out * circle[k].x, rim + rng.range(-0.2f, 0.2f), out * circle[k].y};
+        }
+        for (size_t k = 0; k < points.size(); ++k) {
+            builder.triangle(points[k], glm::vec3{0.0f, tip, 0.0f}, points[(k + 1) % 8]);
+        }
+    }
+}
+
+/// Twigs that hang out of the cones, two triangles each.
+void add_twigs(MeshBuilder& builder, Rng& rng, float height, float reach, size_t twigs)
+{
     for (size_t i = 0; i < twigs; ++i) {
         // More of them below, where the tree is wide.
         const float up = 1.0f - std::sqrt(1.0f - rng.range(0.0f, 0.995f));
         const glm::vec2 heading = random_heading(rng);
-        const float out = reach * (1.0f - up) * rng.range(0.5f, 1.0f) + 0.15f;
-        const float in = out * rng.range(0.1f, 0.6f);
-        const float y = 0.7f + (height - 0.9f) * up;
+        const float out = reach * (1.0f - up) * rng.range(0.8f, 1.2f) + 0.15f;
+        const float in = out * rng.range(0.3f, 0.7f);
+        const float y = 0.5f + (height - 0.7f) * up;
         const float droop = rng.range(0.15f, 0.5f) * (out - in);
         const glm::vec3 along{heading.x, 0.0f, heading.y};
         const glm::vec3 aside =
@@ -105,7 +124,42 @@ Mesh make_spruce(uint64_t seed, size_t budget, uint32_t item_triangles)
         const glm::vec3 middle = 0.5f * (from + to);
         builder.quad(from, middle - aside, to, middle + aside);
     }
+}
+
+Mesh make_spruce(uint64_t seed, size_t budget, uint32_t item_triangles)
+{
+    Rng rng(seed);
+    const float height = rng.range(9.0f, 15.0f);
+    const float reach = rng.range(1.8f, 2.4f);
+    MeshBuilder builder;
+    add_trunk(builder, height, 0.018f * height);
+    const size_t cones = std::clamp(left_of(budget, builder) / 16, size_t{3}, size_t{9});
+    add_cones(builder, rng, height, reach, static_cast<uint32_t>(cones));
+    add_twigs(builder, rng, height, reach, left_of(budget, builder) / 2);
     return builder.take("spruce", item_triangles);
+}
+
+/// Foliage that grows close: a closed lump, 32 triangles.
+void add_lump(MeshBuilder& builder, Rng& rng, const glm::vec3& middle, const glm::vec3& reach)
+{
+    const std::vector<glm::vec2> circle = unit_circle(8);
+    const glm::vec3 bottom = middle - glm::vec3{0.0f, reach.y, 0.0f};
+    const glm::vec3 top = middle + glm::vec3{0.0f, reach.y, 0.0f};
+    std::array<std::array<glm::vec3, 8>, 2> rings;
+    for (size_t ring = 0; ring < rings.size(); ++ring) {
+        for (size_t k = 0; k < 8; ++k) {
+            const float out = rng.range(0.75f, 1.0f);
+            const float up = (ring == 0 ? -0.45f : 0.45f) + rng.range(-0.15f, 0.15f);
+            rings[ring][k] =
+                middle + reach * glm::vec3{out * circle[k].x, up, out * circle[k].y};
+        }
+    }
+    for (size_t k = 0; k < 8; ++k) {
+        const size_t next = (k + 1) % 8;
+        builder.triangle(bottom, rings[0][k], rings[0][next]);
+        builder.quad(rings[0][next], rings[0][k], rings[1][k], rings[1][next]);
+        builder.triangle(rings[1][next], rings[1][k], top);
+    }
 }
 
 Mesh make_broadleaf(uint64_t seed, size_t budget, uint32_t item_triangles)
@@ -113,20 +167,15 @@ Mesh make_broadleaf(uint64_t seed, size_t budget, uint32_t item_triangles)
     Rng rng(seed);
     const float height = rng.range(8.0f, 13.0f);
     MeshBuilder builder;
-    add_trunk(builder, 0.85f * height, 0.022f * height);
-    const glm::vec3 crown{0.0f, 0.62f * height, 0.0f};
-    const glm::vec3 reach{rng.range(2.2f, 3.2f), 0.36f * height, rng.range(2.2f, 3.2f)};
-    for (uint32_t i = 0; i < 8; ++i) {
-        const float y = height * (0.3f + 0.06f * static_cast<float>(i));
-        const glm::vec2 heading = random_heading(rng);
-        const float out = 0.7f * reach.x;
-        const std::array<glm::vec3, 3> line{
-            glm::vec3{0.0f, y, 0.0f},
-            glm::vec3{0.6f * out * heading.x, y + 0.4f, 0.6f * out * heading.y},
-            glm::vec3{out * heading.x, y + 1.2f, out * heading.y}};
-        tube(builder, line, 0.05f, 4);
+    add_trunk(builder, 0.8f * height, 0.022f * height);
+    const glm::vec3 crown{0.0f, 0.55f * height, 0.0f};
+    const glm::vec3 reach{rng.range(2.2f, 3.0f), 0.45f * height, rng.range(2.2f, 3.0f)};
+    const size_t lumps = std::clamp(left_of(budget, builder) / 48, size_t{1}, size_t{4});
+    for (size_t i = 0; i < lumps; ++i) {
+        const glm::vec3 offset = lumps == 1 ? glm::vec3{0.0f} : 0.45f * random_in_ball(rng);
+        add_lump(builder, rng, crown + reach * offset, (lumps == 1 ? 0.9f : 0.65f) * reach);
     }
-    const size_t leaves = budget > builder.triangles() ? (budget - builder.triangles()) / 2 : 0;
+    const size_t leaves = left_of(budget, builder) / 2;
     for (size_t i = 0; i < leaves; ++i) {
         const glm::vec3 at = crown + reach * random_in_ball(rng);
         const glm::vec3 along = glm::normalize(random_in_ball(rng));

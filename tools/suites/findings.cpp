@@ -11,9 +11,8 @@ namespace occlude::tools {
 
 namespace {
 
-// Medians: on a machine that others use too, one disturbed frame would decide a mean.
-constexpr std::string_view kTime = "frame_ms.median";
-constexpr std::string_view kMeanTime = "frame_ms.mean"; // what shares of means refer to
+// Means, as the papers' totals: the frames that take long weigh as much as they take.
+constexpr std::string_view kTime = "frame_ms.mean";
 constexpr std::string_view kTriangles = "per_frame.triangles_drawn";
 // A ratio this close to another one counts as equal to it.
 constexpr double kAbout = 1.25;
@@ -71,7 +70,7 @@ std::string where_the_time_goes(const EntryResult& entry, std::string_view run)
                                    "per triangle",
                                    run, percent(std::min(drawing, 1.0)));
     for (const Part& part : kParts) {
-        const double share = figure_of(entry, run, part.figure) / figure_of(entry, run, kMeanTime);
+        const double share = figure_of(entry, run, part.figure) / figure_of(entry, run, kTime);
         if (share >= 0.1) {
             text += fmt::format(", {} {}", percent(share), part.name);
         }

@@ -28,7 +28,7 @@ struct Finding {
     std::string why;      ///< plain sentences; empty where there is nothing to explain
 };
 
-/// frame_ms of `slow` over frame_ms of `fast`, medians over the walk.
+/// frame_ms of `slow` over frame_ms of `fast`, means over the walk.
 Finding time_ratio(const EntryResult& entry, std::string_view slow, std::string_view fast,
                    const Target& target);
 
