@@ -182,6 +182,11 @@ bool DepthPyramid::hides(const ScreenBox& box, const PixelRect& rect, uint32_t m
     if (!detail::clip(rect, size_px(), pixels)) {
         return true;
     }
+    // What is seen mostly is so in the middle.
+    const glm::ivec2 middle = (pixels.low + pixels.high) / 2;
+    if (!box.beyond(double{texel(0, middle.x, middle.y)}, middle, middle)) {
+        return false;
+    }
     const int level = detail::coarse_level(pixels);
     for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
         for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
