@@ -22,7 +22,7 @@ constexpr size_t kFrames = 8;
 
 struct City {
     explicit City(size_t count)
-        : tree(build_bvh(city_boxes(count), {.max_leaf_items = 4}))
+        : tree(build_bvh(city_boxes(count)))
     {
         for (size_t i = 0; i < kFrames; ++i) {
             views.push_back(street_view(count, i, kFrames, kSizePx));

@@ -16,12 +16,6 @@ void HierarchyCut::clear()
     next_.clear();
 }
 
-size_t HierarchyCut::memory_bytes() const
-{
-    return (entries_.size() + next_.size()) * sizeof(Entry) + parents_.size() * sizeof(Parent) +
-           parent_of_.size() * sizeof(uint32_t);
-}
-
 void HierarchyCut::start_counting()
 {
     parents_.assign(std::bit_ceil(2 * next_.size() + 1), {});

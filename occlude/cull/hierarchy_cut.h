@@ -57,9 +57,6 @@ public:
     /// nodes and items come from memory, and many can be on their way at once.
     static void fetch_ahead(const Hierarchy& hierarchy, std::span<const Entry> entries, size_t i);
 
-    /// Bytes of what is remembered; as Hierarchy::memory_bytes().
-    size_t memory_bytes() const;
-
 private:
     /// What is counted below an opened node.
     struct Parent {

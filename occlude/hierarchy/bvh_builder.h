@@ -17,7 +17,7 @@ namespace occlude {
 
 struct BvhOptions {
     /// A node of at most this many items is not split further. 0 counts as 1.
-    uint32_t max_leaf_items = 1;
+    uint32_t max_leaf_items = 4;
     /// ... unless it holds several and they have more triangles than this together.
     uint32_t max_leaf_triangles = 64;
     /// Nodes with at most this many triangles become virtual leaves. The measured default; see
