@@ -148,10 +148,10 @@ private:
     std::vector<NodeState> states_; ///< by key
     uint64_t lineage_ = 0;          ///< whose keys they are
 
-    std::vector<Active> active_;       ///< all that were active in this frame; the list of those ...
-    std::vector<uint32_t> fresh_;      ///< ... not reached yet: a heap, the nearest first
-    std::vector<uint32_t> waiting_;    ///< ... that need a test of their own, near to far
-    std::vector<Deferred> deferred_;   ///< ... that stayed hidden and are tested last
+    std::vector<Active> active_;     ///< all that were active in this frame; the list of those ...
+    std::vector<uint32_t> fresh_;    ///< ... not reached yet: a heap, the nearest first
+    std::vector<uint32_t> waiting_;  ///< ... that need a test of their own, near to far
+    std::vector<Deferred> deferred_; ///< ... that stayed hidden and are tested last
     std::vector<PendingTest> pending_; ///< ... with a test under way, as issued
     std::vector<PendingTest> halves_;  ///< ... in halves of groups in which something is visible
     std::vector<uint32_t> tested_;     ///< the nodes of all tests of this frame, test by test
