@@ -64,7 +64,7 @@ TEST(TwoLevel, BoxesBesideEachOtherAreTestedTogether)
         const glm::vec3 center{4.0f * static_cast<float>(i) - 6.0f, 0.0f, -10.0f};
         items.push_back({{center - 1.0f, center + 1.0f}, 10});
     }
-    const Hierarchy tree = build_bvh(items, {.leaf_triangles = 0});
+    const Hierarchy tree = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 0});
     ScriptedDevice device;
     TwoLevel culler{tree};
     const FrameReport report = culler.cull(look_ahead(), device);
@@ -80,7 +80,7 @@ TEST(TwoLevel, AtMostSoManyTestsArePending)
         const glm::vec3 center{2.5f * static_cast<float>(i) - 9.0f, 0.0f, -12.0f};
         items.push_back({{center - 1.0f, center + 1.0f}, 10});
     }
-    const Hierarchy tree = build_bvh(items, {.leaf_triangles = 0});
+    const Hierarchy tree = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 0});
     ScriptedDevice device({.latency = [](uint64_t) { return Latency::never(); }});
     TwoLevel culler{tree, {.disjoint = false, .max_pending = 3}};
     culler.cull(look_ahead(), device);
@@ -128,7 +128,7 @@ Hierarchy side_by_side()
         const glm::vec3 center{3.0f * static_cast<float>(i) - 7.5f, 0.0f, -10.0f};
         items.push_back({{center - 1.0f, center + 1.0f}, 10});
     }
-    return build_bvh(items, {.leaf_triangles = 0});
+    return build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 0});
 }
 
 TEST(TwoLevel, LongHiddenNodesShareOneTestWhichIsHalvedIfItFails)
