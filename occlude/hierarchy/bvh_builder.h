@@ -36,4 +36,14 @@ struct BvhOptions {
 /// the root has up to three children and never is a virtual leaf.
 Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options = {});
 
+/// Names of the options; see core/option_text.h.
+template <class Visit>
+void visit_options(BvhOptions& o, Visit&& visit)
+{
+    visit("max_leaf_items", o.max_leaf_items, "a node of at most so many items is not split");
+    visit("max_leaf_triangles", o.max_leaf_triangles, "... unless they have more triangles");
+    visit("leaf_triangles", o.leaf_triangles, "nodes of at most so many become leaves; 0: none");
+    visit("bins", o.bins, "planes tried per axis, plus one: 2 to 32");
+}
+
 } // namespace occlude
