@@ -156,7 +156,7 @@ TEST(Cli, SettingsReachHierarchiesByTheirNames)
         {"bench", scene, "--hierarchy", "two_level", "--set", "two_level.quiet_frames=4"},
         {"two_level", "quiet_frames"}); // the algorithm
     const Outcome listed = run({"list", "hierarchies"});
-    for (const char* option : {"bvh.max_leaf_items=1", "bsp.split=cost", "octree.max_depth=21",
+    for (const char* option : {"bvh.max_leaf_items=4", "bsp.split=cost", "octree.max_depth=21",
                                "grid.items_per_cell=8", "two_level_tree.quiet_frames=0"}) {
         EXPECT_NE(listed.out.find(std::string{"--set "} + option), std::string::npos) << option;
     }
