@@ -159,12 +159,12 @@ View street_view(size_t count, size_t frame, size_t frames, glm::ivec2 size_px)
 {
     const auto half = static_cast<float>(blocks_per_side(count) / 2);
     const float ahead = 16.0f * static_cast<float>(frame) / static_cast<float>(frames);
-    const glm::vec3 eye{kPitch * half - 0.5f * kStreet, 1.7f, kPitch * half + 10.0f - ahead};
+    const glm::vec3 eye{kPitch * half - 0.5f * kStreet, 6.0f, kPitch * half + 10.0f - ahead};
     const glm::mat4 clip_from_eye = glm::perspectiveRH_NO(
-        glm::radians(60.0f), static_cast<float>(size_px.x) / static_cast<float>(size_px.y), 0.1f,
+        glm::radians(60.0f), static_cast<float>(size_px.x) / static_cast<float>(size_px.y), 0.5f,
         20000.0f);
     const glm::mat4 eye_from_world =
-        glm::lookAtRH(eye, eye + glm::vec3{0.15f, 0.0f, -1.0f}, glm::vec3{0.0f, 1.0f, 0.0f});
+        glm::lookAtRH(eye, eye + glm::vec3{0.7f, 0.0f, -1.0f}, glm::vec3{0.0f, 1.0f, 0.0f});
     return View::from_clip(clip_from_eye * eye_from_world, size_px);
 }
 

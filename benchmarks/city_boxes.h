@@ -20,7 +20,7 @@ namespace occlude::bench {
 std::vector<ItemBounds> city_boxes(size_t count);
 
 /// Frame `frame` of `frames` of a walk along a street in the middle of the city of `count` boxes,
-/// 1.7 units above the ground, 60 degrees high.
+/// 6 units above the ground, with a look to the side, 60 degrees high.
 View street_view(size_t count, size_t frame, size_t frames, glm::ivec2 size_px);
 
 /// What a perfect renderer would see: through the middle of every pixel the nearest box.

@@ -16,7 +16,7 @@ from pathlib import Path
 WIDTH, HEIGHT = 720, 440
 LEFT, RIGHT, TOP, BOTTOM = 70, 150, 30, 50
 COLORS = ["#888888", "#1b7f5c", "#c4572a", "#3b5fc0", "#8a3fa0", "#b08900"]
-NAME = re.compile(r"traverse/(?P<algorithm>\w+)/boxes:(?P<boxes>\d+)$")
+NAME = re.compile(r"traverse/(?P<algorithm>\w+)/boxes:(?P<boxes>\d+)(?P<manual>/manual_time)?$")
 TO_MICROSECONDS = {"ns": 1e-3, "us": 1.0, "ms": 1e3, "s": 1e6}
 
 
@@ -26,7 +26,8 @@ def read_series(path):
     for run in json.loads(Path(path).read_text())["benchmarks"]:
         match = NAME.match(run["name"])
         if match and run.get("run_type", "iteration") == "iteration":
-            micros = run["cpu_time"] * TO_MICROSECONDS[run["time_unit"]]
+            time = run["real_time" if match["manual"] else "cpu_time"]
+            micros = time * TO_MICROSECONDS[run["time_unit"]]
             series.setdefault(match["algorithm"], []).append((int(match["boxes"]), micros))
     return {name: sorted(points) for name, points in series.items()}
 

@@ -8,12 +8,13 @@
 #include <occlude/core/detail/box_projector.h>
 
 #include <occlude/core/assert.h>
+#include <occlude/core/detail/absolute.h>
+#include <occlude/core/detail/float4.h>
 
 #include <glm/common.hpp>
 #include <glm/mat4x4.hpp>
 
-#include <algorithm>
-#include <cmath>
+#include <array>
 
 namespace occlude {
 
@@ -23,8 +24,8 @@ static constexpr double kSlop = 20.0 * 0x1p-24;
 
 static glm::dmat4 magnitude(const glm::mat4& m)
 {
-    return {glm::abs(glm::dvec4{m[0]}), glm::abs(glm::dvec4{m[1]}), glm::abs(glm::dvec4{m[2]}),
-            glm::abs(glm::dvec4{m[3]})};
+    return {detail::absolute(glm::dvec4{m[0]}), detail::absolute(glm::dvec4{m[1]}),
+            detail::absolute(glm::dvec4{m[2]}), detail::absolute(glm::dvec4{m[3]})};
 }
 
 BoxProjector::BoxProjector(const View& view)
@@ -71,100 +72,91 @@ void BoxProjector::set_columns(const View& view, const glm::dmat4& clip,
     }
 }
 
-// One coordinate of the eight corners of a box; bit i of an index says low or high on axis i.
-using Corners = std::array<float, 8>;
+// What is kept of the eight corners of a box; lanes: x px, y px, depth, w.
+struct Corners {
+    Float4 least = splat(Aabb::kInfinity); ///< before the division by w
+    Float4 nearest = splat(Aabb::kInfinity);
+    Float4 farthest = splat(-Aabb::kInfinity);
 
-static inline Corners corners(const BoxProjector& p, int row, const glm::vec3& low,
-                              const glm::vec3& high)
-{
-    const float x[2] = {p.column[3][row] + p.column[0][row] * low.x,
-                        p.column[3][row] + p.column[0][row] * high.x};
-    const float y[2] = {p.column[1][row] * low.y, p.column[1][row] * high.y};
-    const float z[2] = {p.column[2][row] * low.z, p.column[2][row] * high.z};
-    const float xy[4] = {x[0] + y[0], x[1] + y[0], x[0] + y[1], x[1] + y[1]};
-    Corners result;
-    for (size_t k = 0; k < 4; ++k) {
-        result[k] = xy[k] + z[0];
-        result[k + 4] = xy[k] + z[1];
+    void add(Float4 corner)
+    {
+        const Float4 over_w = 1.0f / splat(corner[3]);
+        const Float4 on_screen = corner * over_w;
+        least = min4(least, corner);
+        nearest = min4(nearest, on_screen);
+        farthest = max4(farthest, on_screen);
     }
-    return result;
+};
+
+static inline Float4 lanes(const glm::vec4& v)
+{
+    return load4(&v.x);
 }
 
-// Two by two, which a compiler turns into vectors; without NaN the order does not matter.
-static float least(const Corners& c)
+static inline Corners all_corners(const std::array<glm::vec4, 4>& column, const glm::vec3& low,
+                                  const glm::vec3& high)
 {
-    float half[4];
-    for (size_t k = 0; k < 4; ++k) {
-        half[k] = c[k] < c[k + 4] ? c[k] : c[k + 4];
+    const Float4 x[2] = {lanes(column[3]) + lanes(column[0]) * low.x,
+                         lanes(column[3]) + lanes(column[0]) * high.x};
+    const Float4 y[2] = {lanes(column[1]) * low.y, lanes(column[1]) * high.y};
+    const Float4 z[2] = {lanes(column[2]) * low.z, lanes(column[2]) * high.z};
+    Corners corners;
+    for (const Float4 over_y : y) {
+        for (const Float4 over_x : x) {
+            const Float4 xy = over_x + over_y;
+            corners.add(xy + z[0]);
+            corners.add(xy + z[1]);
+        }
     }
-    return std::min(std::min(half[0], half[1]), std::min(half[2], half[3]));
+    return corners;
 }
 
-static float largest(const Corners& c)
+// The next whole number up; as std::ceil, in one instruction more than a conversion takes anywhere.
+static inline int ceiling(float v)
 {
-    float half[4];
-    for (size_t k = 0; k < 4; ++k) {
-        half[k] = c[k] > c[k + 4] ? c[k] : c[k + 4];
-    }
-    return std::max(std::max(half[0], half[1]), std::max(half[2], half[3]));
+    const auto whole = static_cast<int>(v);
+    return whole + (static_cast<float>(whole) < v ? 1 : 0);
 }
 
-ScreenBounds BoxProjector::project(const Aabb& box) const
+void BoxProjector::project(const Aabb& box, ScreenBounds& bounds) const
 {
-    if (box.is_empty()) {
-        return {PixelRect{}, 1.0f, 1.0f, true};
-    }
     if (!usable || !box.is_bounded()) {
-        return everywhere;
+        bounds = box.is_empty() ? ScreenBounds{PixelRect{}, 1.0f, 1.0f, true} : everywhere;
+        return;
     }
     const float margin = inflation.margin(box);
     const glm::vec3 low = box.min - margin;
     const glm::vec3 high = box.max + margin;
-    const glm::vec3 reach = glm::max(glm::abs(low), glm::abs(high));
-    const glm::vec4 s = slop[0] * reach.x + slop[1] * reach.y + slop[2] * reach.z + slop[3];
-
-    const Corners w = corners(*this, 3, low, high);
-    const Corners z = corners(*this, 2, low, high);
-    const float least_w = least(w);
+    const glm::vec3 reach = glm::max(detail::absolute(low), detail::absolute(high));
+    const Float4 s = lanes(slop[0]) * reach.x + lanes(slop[1]) * reach.y +
+                     lanes(slop[2]) * reach.z + lanes(slop[3]);
+    const Corners c = all_corners(column, low, high);
     // Written so that a NaN from overflow says no.
-    const bool certain = s.x < kLargestSlop && s.y < kLargestSlop && s.z < kLargestSlop &&
-                         s.w < kLargestSlop && least(z) > s.z && least_w > 2.0f * s.w &&
-                         least_w > kSmallestW;
+    const bool certain = bits_of(s < kLargestSlop) == 0xfu && c.least[2] > s[2] &&
+                         c.least[3] > 2.0f * s[3] && c.least[3] > kSmallestW;
     if (!certain) {
-        return everywhere;
+        bounds = everywhere;
+        return;
     }
-    Corners over_w;
-    for (size_t k = 0; k < 8; ++k) {
-        over_w[k] = 1.0f / w[k];
-    }
-    const float over_least_w = 1.0f / (least_w - s.w);
-    const auto range = [&](const Corners& c, float slop_c) -> glm::vec2 {
-        Corners quotient;
-        for (size_t k = 0; k < 8; ++k) {
-            quotient[k] = c[k] * over_w[k];
-        }
-        const float from = least(quotient);
-        const float to = largest(quotient);
-        // (v + dv) / (w + dw) differs from v / w by at most (dv + |v / w| dw) / (w - dw).
-        const float error = (slop_c + std::max(std::abs(from), std::abs(to)) * s.w) * over_least_w;
-        return {from - error, to + error};
-    };
-    const glm::vec2 x_px = range(corners(*this, 0, low, high), s.x);
-    const glm::vec2 y_px = range(corners(*this, 1, low, high), s.y);
-    const glm::vec2 depth = range(z, s.z);
+    // (v + dv) / (w + dw) differs from v / w by at most (dv + |v / w| dw) / (w - dw).
+    const Float4 largest = max4(abs4(c.nearest), abs4(c.farthest));
+    const Float4 error = (s + largest * s[3]) * (1.0f / (c.least[3] - s[3]));
+    const Float4 zero = splat(0.0f);
+    const Float4 end{size.x, size.y, 1.0f, 1.0f};
+    const Float4 margins{0.0f, 0.0f, ScreenBounds::kDepthMargin, 0.0f};
+    const Float4 from = min4(max4(c.nearest - error - margins, zero), end);
+    const Float4 to = min4(max4(c.farthest + error + margins, zero), end);
 
-    ScreenBounds bounds;
+    const auto first_x = static_cast<int>(from[0]);
+    const auto first_y = static_cast<int>(from[1]);
+    const int end_x = ceiling(to[0]);
+    const int end_y = ceiling(to[1]);
+    bounds.rect = first_x < end_x && first_y < end_y
+                      ? PixelRect{first_x, first_y, end_x - first_x, end_y - first_y}
+                      : PixelRect{};
+    bounds.near_depth = from[2];
+    bounds.far_depth = to[2];
     bounds.valid = true;
-    bounds.near_depth = std::clamp(depth[0] - ScreenBounds::kDepthMargin, 0.0f, 1.0f);
-    bounds.far_depth = std::clamp(depth[1] + ScreenBounds::kDepthMargin, 0.0f, 1.0f);
-    const auto first_x = static_cast<int>(std::clamp(x_px[0], 0.0f, size.x));
-    const auto first_y = static_cast<int>(std::clamp(y_px[0], 0.0f, size.y));
-    const auto end_x = static_cast<int>(std::ceil(std::clamp(x_px[1], 0.0f, size.x)));
-    const auto end_y = static_cast<int>(std::ceil(std::clamp(y_px[1], 0.0f, size.y)));
-    if (first_x < end_x && first_y < end_y) {
-        bounds.rect = {first_x, first_y, end_x - first_x, end_y - first_y};
-    }
-    return bounds;
 }
 
 } // namespace detail
@@ -176,15 +168,19 @@ void project_query_boxes(const View& view, std::span<const QueryBox> boxes,
     const detail::BoxProjector from_world{view, glm::mat4{1.0f}};
     for (size_t i = 0; i < boxes.size(); ++i) {
         const glm::mat4* world_from_box = boxes[i].world_from_box;
-        bounds[i] = world_from_box == nullptr
-                        ? from_world.project(boxes[i].box)
-                        : detail::BoxProjector{view, *world_from_box}.project(boxes[i].box);
+        if (world_from_box == nullptr) {
+            from_world.project(boxes[i].box, bounds[i]);
+        } else {
+            detail::BoxProjector{view, *world_from_box}.project(boxes[i].box, bounds[i]);
+        }
     }
 }
 
 ScreenBounds project(const View& view, const Aabb& box)
 {
-    return detail::BoxProjector{view}.project(box);
+    ScreenBounds bounds;
+    detail::BoxProjector{view}.project(box, bounds);
+    return bounds;
 }
 
 void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<ScreenBounds> bounds,
@@ -197,7 +193,7 @@ void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<Scre
         return;
     }
     for (size_t i = 0; i < boxes.size(); ++i) {
-        bounds[i] = projector.project(boxes[i]);
+        projector.project(boxes[i], bounds[i]);
     }
 }
 

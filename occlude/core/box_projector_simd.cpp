@@ -19,7 +19,7 @@ void project_boxes(const detail::BoxProjector& p, const Aabb* boxes, size_t coun
                    ScreenBounds* bounds)
 {
     for (size_t i = 0; i < count; ++i) {
-        bounds[i] = p.project(boxes[i]);
+        p.project(boxes[i], bounds[i]);
     }
 }
 

@@ -104,6 +104,25 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRang
     return true;
 }
 
+// The farthest of at most kSpan x kSpan texels. Without a branch: the last row and the last column
+// are looked at again where there are less.
+float DepthPyramid::farthest_of(int level, const detail::TexelRange& texels) const
+{
+    const detail::PyramidLevel& l = levels_[static_cast<size_t>(level)];
+    const glm::ivec2 last = texels.high - texels.low;
+    const float* row =
+        &texels_[l.first + static_cast<size_t>(texels.low.y) * static_cast<size_t>(l.size.x) +
+                 static_cast<size_t>(texels.low.x)];
+    float farthest = 0.0f;
+    for (int y = 0; y < detail::kSpan; ++y) {
+        for (int x = 0; x < detail::kSpan; ++x) {
+            farthest = farther(farthest, row[std::min(x, last.x)]);
+        }
+        row += y < last.y ? l.size.x : 0;
+    }
+    return farthest;
+}
+
 bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refinement) const
 {
     detail::TexelRange pixels;
@@ -111,12 +130,16 @@ bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refine
         return true;
     }
     const int level = detail::coarse_level(pixels);
-    for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
-        for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
-            const bool hidden = refinement == Refinement::none
-                                    ? texel(level, x, y) < nearest
-                                    : texel_hides(level, {x, y}, pixels, nearest);
-            if (!hidden) {
+    const detail::TexelRange texels{pixels.low >> level, pixels.high >> level};
+    if (farthest_of(level, texels) < nearest) {
+        return true;
+    }
+    if (refinement == Refinement::none) {
+        return false;
+    }
+    for (int y = texels.low.y; y <= texels.high.y; ++y) {
+        for (int x = texels.low.x; x <= texels.high.x; ++x) {
+            if (!texel_hides(level, {x, y}, pixels, nearest)) {
                 return false;
             }
         }
@@ -132,10 +155,11 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRang
         return false;
     }
     --texels_left;
-    const glm::ivec2 low = glm::max(glm::ivec2{at.x << level, at.y << level}, pixels.low);
-    const glm::ivec2 high =
-        glm::min(glm::ivec2{(at.x + 1) << level, (at.y + 1) << level} - 1, pixels.high);
-    if (double{texel(level, at.x, at.y)} < box.nearest_over(low, high)) {
+    const glm::ivec2 low{std::max(at.x << level, pixels.low.x),
+                         std::max(at.y << level, pixels.low.y)};
+    const glm::ivec2 high{std::min(((at.x + 1) << level) - 1, pixels.high.x),
+                          std::min(((at.y + 1) << level) - 1, pixels.high.y)};
+    if (box.beyond(double{texel(level, at.x, at.y)}, low, high)) {
         return true;
     }
     if (level == 0) {
@@ -157,6 +181,11 @@ bool DepthPyramid::hides(const ScreenBox& box, const PixelRect& rect, uint32_t m
     detail::TexelRange pixels;
     if (!detail::clip(rect, size_px(), pixels)) {
         return true;
+    }
+    // What is seen mostly is so in the middle.
+    const glm::ivec2 middle = (pixels.low + pixels.high) / 2;
+    if (!box.beyond(double{texel(0, middle.x, middle.y)}, middle, middle)) {
+        return false;
     }
     const int level = detail::coarse_level(pixels);
     for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
@@ -213,17 +242,11 @@ void DepthPyramid::hides(const View& view, std::span<const Aabb> boxes, Refineme
 float DepthPyramid::farthest_bound(const PixelRect& rect) const
 {
     detail::TexelRange pixels;
-    float bound = 0.0f;
     if (!detail::clip(rect, size_px(), pixels)) {
-        return bound;
+        return 0.0f;
     }
     const int level = detail::coarse_level(pixels);
-    for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
-        for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
-            bound = farther(bound, texel(level, x, y));
-        }
-    }
-    return bound;
+    return farthest_of(level, {pixels.low >> level, pixels.high >> level});
 }
 
 } // namespace occlude

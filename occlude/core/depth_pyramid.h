@@ -86,6 +86,7 @@ private:
         return texels_[l.first + static_cast<size_t>(y) * static_cast<size_t>(l.size.x) +
                        static_cast<size_t>(x)];
     }
+    float farthest_of(int level, const detail::TexelRange& texels) const;
     bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
                      float nearest) const;
     bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,

@@ -1,5 +1,6 @@
 #include <occlude/core/frustum.h>
 
+#include <occlude/core/detail/absolute.h>
 #include <occlude/core/detail/float4.h>
 
 #include <glm/common.hpp>
@@ -65,7 +66,7 @@ Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
     constexpr float kSlop = 1e-6f;
     const glm::vec3 center = box.center();
     const glm::vec3 half = 0.5f * box.extent();
-    const glm::vec3 far_from_origin = glm::abs(center);
+    const glm::vec3 far_from_origin = detail::absolute(center);
     uint32_t outside = 0;
     uint32_t inside = 0;
     for (size_t i = 0; i < 8; i += 4) {
@@ -104,8 +105,8 @@ Containment Frustum::classify_sphere(const glm::vec3& center, float radius, Plan
         const glm::vec3 normal{planes_[i]};
         const float offset = planes_[i].w;
         const float distance = glm::dot(normal, center) + offset;
-        const float slop =
-            kSlop * (glm::dot(glm::abs(normal), glm::abs(center)) + std::abs(offset) + radius);
+        const float slop = kSlop * (glm::dot(detail::absolute(normal), detail::absolute(center)) +
+                                    std::abs(offset) + radius);
         const bool bounds_nothing = normal == glm::vec3{0.0f};
         if (!bounds_nothing && distance + radius < -slop) {
             return Containment::outside;

@@ -1,5 +1,6 @@
 #include <occlude/core/screen_box.h>
 
+#include <occlude/core/detail/absolute.h>
 #include <occlude/core/projection.h>
 
 #include <glm/common.hpp>
@@ -51,9 +52,12 @@ ScreenSpace::ScreenSpace(const View& view, SamplePositions samples)
                                       {0.0, 2.0 / size.y, 0.0, 0.0},
                                       {0.0, 0.0, a, 0.0},
                                       {-1.0, -1.0, b, 1.0}};
-    world_from_screen_ = glm::inverse(clip) * clip_from_screen;
+    world_rows_ = glm::transpose(glm::inverse(clip) * clip_from_screen);
     screen_rows_ = glm::transpose(clip);
     screen_rows_[2] = (screen_rows_[2] - b * screen_rows_[3]) / a;
+    for (int row = 0; row < 4; ++row) {
+        magnitude_[row] = detail::absolute(screen_rows_[row]);
+    }
 }
 
 ScreenBox::ScreenBox(const ScreenSpace& screen, const Aabb& box)
@@ -64,14 +68,13 @@ ScreenBox::ScreenBox(const ScreenSpace& screen, const Aabb& box)
     const glm::dvec2 size{screen.view_.size_px()};
 
     // What a device may be off by at the nearest point of the box.
-    const glm::dvec4 reach{glm::max(glm::abs(low), glm::abs(high)), 1.0};
-    const glm::dmat4& rows = screen.screen_rows_;
+    const glm::dvec4 reach{glm::max(detail::absolute(low), detail::absolute(high)), 1.0};
     const auto slop = [&](int row) {
-        return kTransformSlop * glm::dot(glm::abs(rows[row]), reach);
+        return kTransformSlop * glm::dot(screen.magnitude_[row], reach);
     };
-    const glm::dvec3 w_axis{rows[3]};
-    const double nearest_w = glm::dot(w_axis, 0.5 * (low + high)) + rows[3].w -
-                             glm::dot(glm::abs(w_axis), 0.5 * (high - low));
+    const glm::dvec4& row_w = screen.screen_rows_[3];
+    const double nearest_w = glm::dot(glm::dvec3{row_w}, 0.5 * (low + high)) + row_w.w -
+                             glm::dot(glm::dvec3{screen.magnitude_[3]}, 0.5 * (high - low));
     if (!(nearest_w > 2.0 * slop(3))) {
         return; // nothing is known: nearest_over() says so
     }
@@ -85,7 +88,7 @@ ScreenBox::ScreenBox(const ScreenSpace& screen, const Aabb& box)
 
     // World position is (X, Y, Z) / W, linear functions of (x px, y px, depth, 1), and W > 0 before
     // the eye. The lower face of an axis is X - min W >= 0, the upper one max W - X >= 0.
-    const glm::dmat4 world_rows = glm::transpose(screen.world_from_screen_);
+    const glm::dmat4& world_rows = screen.world_rows_;
     const glm::dvec4 world_w = world_rows[3];
     for (int face = 0; face < 6; ++face) {
         const int axis = face / 2;
@@ -96,11 +99,13 @@ ScreenBox::ScreenBox(const ScreenSpace& screen, const Aabb& box)
         if (!(std::abs(inside.z) * kSteepest > across)) {
             continue;
         }
-        const Plane plane{-inside.x / inside.z, -inside.y / inside.z, -inside.w / inside.z};
+        const glm::dvec4 depth = inside * (-1.0 / inside.z);
         if (inside.z > 0.0) {
-            planes_[static_cast<size_t>(entries_++)] = plane;
+            planes_[static_cast<size_t>(entries_++)] = {
+                depth.x, depth.y, depth.w, std::min(depth.x, 0.0), std::min(depth.y, 0.0)};
         } else {
-            planes_[static_cast<size_t>(5 - exits_++)] = plane;
+            planes_[static_cast<size_t>(5 - exits_++)] = {
+                depth.x, depth.y, depth.w, std::max(depth.x, 0.0), std::max(depth.y, 0.0)};
         }
     }
 }
@@ -110,23 +115,9 @@ double ScreenBox::nearest_over(glm::ivec2 low, glm::ivec2 high) const
     if (!known_) {
         return -kInfinity;
     }
-    const glm::dvec2 from = glm::dvec2{low} + from_px_;
-    const glm::dvec2 to = glm::dvec2{high} + to_px_;
-    // The first depth at which some ray of the block can be inside of all entries, and the last at
-    // which some ray has not left by any exit.
-    double entry = -kInfinity;
-    for (int i = 0; i < entries_; ++i) {
-        const Plane& p = planes_[static_cast<size_t>(i)];
-        entry = std::max(entry, p.at_origin + p.dx * (p.dx > 0.0 ? from.x : to.x) +
-                                    p.dy * (p.dy > 0.0 ? from.y : to.y));
-    }
-    double exit = kInfinity;
-    for (int i = 0; i < exits_; ++i) {
-        const Plane& p = planes_[static_cast<size_t>(5 - i)];
-        exit = std::min(exit, p.at_origin + p.dx * (p.dx > 0.0 ? to.x : from.x) +
-                                  p.dy * (p.dy > 0.0 ? to.y : from.y));
-    }
-    return entry - depth_error_ > exit + depth_error_ ? kInfinity : entry - depth_error_;
+    const Samples samples = samples_of(low, high);
+    const double entry = first_entry(samples);
+    return misses(entry, samples) ? kInfinity : entry - depth_error_;
 }
 
 } // namespace occlude

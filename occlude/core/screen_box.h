@@ -18,8 +18,11 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace occlude {
 
@@ -40,10 +43,11 @@ public:
 private:
     friend class ScreenBox;
     View view_;
-    glm::dmat4 world_from_screen_{1.0}; ///< of (x px, y px, depth, 1)
-    glm::dmat4 screen_rows_{1.0};       ///< x, y, window depth and w of clip space, as columns
-    double sample_from_ = 0.0;          ///< samples of a pixel are from here to there in it, along
-    double sample_to_ = 1.0;            ///< both axes
+    glm::dmat4 world_rows_{1.0};  ///< X, Y, Z and W from (x px, y px, depth, 1), as columns
+    glm::dmat4 screen_rows_{1.0}; ///< x, y, window depth and w of clip space from the world, also
+    glm::dmat4 magnitude_{1.0};   ///< of the terms of these
+    double sample_from_ = 0.0;    ///< samples of a pixel are from here to there in it, along
+    double sample_to_ = 1.0;      ///< both axes
 };
 
 class ScreenBox {
@@ -56,13 +60,61 @@ public:
     /// `high`, both included; infinity if the box misses them all.
     double nearest_over(glm::ivec2 low, glm::ivec2 high) const;
 
+    /// depth < nearest_over(low, high), but mostly from the entries alone: one texel of a pyramid.
+    bool beyond(double depth, glm::ivec2 low, glm::ivec2 high) const
+    {
+        if (!known_) {
+            return false;
+        }
+        const Samples samples = samples_of(low, high);
+        const double entry = first_entry(samples);
+        return depth < entry - depth_error_ || misses(entry, samples);
+    }
+
 private:
     /// depth = x * dx + y * dy + at_origin, in pixels.
     struct Plane {
-        double dx;
-        double dy;
-        double at_origin;
+        double dx = 0.0;
+        double dy = 0.0;
+        double at_origin = 0.0;
+        double per_width = 0.0;  ///< what a block of one pixel more can add, at the corner
+        double per_height = 0.0; ///< that matters: no more than 0 for entries, no less for exits
     };
+    /// The rectangle that holds all samples of a block of pixels.
+    struct Samples {
+        glm::dvec2 low;
+        glm::dvec2 size;
+    };
+
+    Samples samples_of(glm::ivec2 low, glm::ivec2 high) const
+    {
+        return {glm::dvec2{low} + from_px_, glm::dvec2{high - low} + (to_px_ - from_px_)};
+    }
+    static double extreme(const Plane& p, const Samples& samples)
+    {
+        return p.at_origin + p.dx * samples.low.x + p.dy * samples.low.y +
+               p.per_width * samples.size.x + p.per_height * samples.size.y;
+    }
+    /// The first depth at which some ray of the block can be inside of all entries.
+    double first_entry(const Samples& samples) const
+    {
+        double entry = -std::numeric_limits<double>::infinity();
+        for (int i = 0; i < entries_; ++i) {
+            entry = std::max(entry, extreme(planes_[static_cast<size_t>(i)], samples));
+        }
+        return entry;
+    }
+    /// True if every ray of the block has left by some exit before `entry`.
+    bool misses(double entry, const Samples& samples) const
+    {
+        for (int i = 0; i < exits_; ++i) {
+            const double exit = extreme(planes_[static_cast<size_t>(5 - i)], samples);
+            if (entry - depth_error_ > exit + depth_error_) {
+                return true;
+            }
+        }
+        return false;
+    }
 
     std::array<Plane, 6> planes_; ///< entries from the front, exits from the back
     int entries_ = 0;

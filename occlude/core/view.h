@@ -2,6 +2,7 @@
 #pragma once
 
 #include <occlude/core/aabb.h>
+#include <occlude/core/detail/absolute.h>
 #include <occlude/core/frustum.h>
 
 #include <glm/common.hpp>
@@ -28,8 +29,8 @@ struct Inflation {
         const glm::vec3 toward_w{row_w};
         const glm::vec3 half = 0.5f * box.extent();
         const float largest_w =
-            glm::dot(toward_w, box.center()) + row_w.w + glm::dot(glm::abs(toward_w), half);
-        const glm::vec3 magnitude = glm::max(glm::abs(box.min), glm::abs(box.max));
+            glm::dot(toward_w, box.center()) + row_w.w + glm::dot(detail::absolute(toward_w), half);
+        const glm::vec3 magnitude = glm::max(detail::absolute(box.min), detail::absolute(box.max));
         const float coordinate = std::max({magnitude.x, magnitude.y, magnitude.z, reach});
         return per_w * std::max(largest_w, 0.0f) + per_diagonal * glm::length(box.extent()) +
                per_coordinate * coordinate;

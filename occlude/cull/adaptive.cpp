@@ -1,17 +1,11 @@
 #include <occlude/cull/adaptive.h>
 
-#include <occlude/core/rng.h>
-#include <occlude/cull/near_to_far.h>
-
 #include <algorithm>
 #include <cmath>
 
 namespace occlude {
 
 namespace {
-
-using State = HierarchyCut::State;
-using Scope = HierarchyCut::Scope;
 
 // While a frame reveals things, it reads depth again after drawing for so many read-backs, and after so
 // many times more where that found little hidden.
@@ -37,9 +31,6 @@ constexpr double kFramesPerDeviceProbe = 16.0;
 
 // The depth of a probe: nodes of less than this part of the frame's work are not opened.
 constexpr double kProbeGrain = 1.0 / 512.0;
-
-// One in so many entries that could be merged is tried in a frame.
-constexpr uint32_t kMergeOneIn = 3;
 
 // The share of a view's history that one frame replaces.
 constexpr double kForget = 0.25;
@@ -75,7 +66,7 @@ FramePlan::Kind kind_of(TestMethod method)
 } // namespace
 
 Adaptive::Adaptive(const Hierarchy& hierarchy, AdaptiveOptions options, SecondsClock clock)
-    : Culler(hierarchy)
+    : CutCuller(hierarchy)
     , options_(options)
     , clock_(options.measure ? std::move(clock) : SecondsClock{})
 {
@@ -95,76 +86,40 @@ void Adaptive::reset_state()
 
 // --- shared --------------------------------------------------------------------------------------
 
-// Nothing below is tested apart: there is nothing, or drawing it costs less than two tests.
-bool Adaptive::is_terminal(NodeId node) const
+// QueryReasonable for what was not visible: what the test would hide is more than it costs.
+bool Adaptive::worth_testing(const Entry& entry, double probability) const
 {
-    const Node& n = hierarchy().node(node);
-    return n.child_count == 0 || costs_.draw_us(n) < 2.0 * costs_.round(method_).us_per_test;
+    return probability * draw_us(entry) > costs_.round(method_).us_per_test;
 }
 
-// QueryReasonable for what was not visible: what the test would hide is more than it costs.
-bool Adaptive::worth_testing(NodeId node, double probability) const
+// What is drawn for less than two tests cost is not tested in parts.
+bool Adaptive::opens(NodeId node) const
 {
-    return probability * costs_.draw_us(hierarchy().node(node)) > costs_.round(method_).us_per_test;
+    return has_parts(node) &&
+           costs_.draw_us(hierarchy().node(node)) >= 2.0 * costs_.round(method_).us_per_test;
+}
+
+// As many as cost a part of what drawing would.
+uint32_t Adaptive::most_texels(const Entry& entry) const
+{
+    const double texels = std::min(kTexelsPerUs * draw_us(entry), kMostTexels);
+    return texels < kLeastTexels ? 0 : static_cast<uint32_t>(texels);
+}
+
+bool Adaptive::still_visible(const Entry& entry) const
+{
+    return !std::binary_search(found_hidden_.begin(), found_hidden_.end(), name_of(entry));
 }
 
 // What was not known before the test: how much of that is hidden?
-void Adaptive::note_first_answer(bool found_hidden)
+void Adaptive::answered(bool hidden)
 {
-    hidden_share_ += kShareStep * ((found_hidden ? 1.0 : kLeastShare) - hidden_share_);
+    hidden_share_ += kShareStep * ((hidden ? 1.0 : kLeastShare) - hidden_share_);
 }
 
-void Adaptive::keep_hidden(CullFrame& frame, HierarchyCut::Entry entry, Decision decision)
+bool Adaptive::merges(CullFrame& frame, NodeId node)
 {
-    if (decision == Decision::undecided) {
-        entry.frames_hidden = 0; // drawn in this frame
-    } else {
-        entry.frames_hidden = static_cast<uint16_t>(std::min(entry.frames_hidden + 1, 0xffff));
-        hidden_units_ += costs_.units(hierarchy().node(entry.node));
-    }
-    if (decision != Decision::undecided && !probing_) {
-        frame.decide(entry.node, decision,
-                     entry.scope == Scope::own_items ? DecisionLog::Scope::own_items
-                                                     : DecisionLog::Scope::subtree);
-    }
-    entry.state = State::hidden;
-    entry.tested = frame.stamp();
-    cut_.keep(entry);
-}
-
-void Adaptive::keep_visible(HierarchyCut::Entry entry)
-{
-    entry.state = State::visible;
-    entry.frames_hidden = 0;
-    cut_.keep(entry);
-}
-
-// In a probe everything is drawn already.
-void Adaptive::draw_entry(CullFrame& frame, const Candidate& candidate, Decision decision)
-{
-    if (probing_) {
-        return;
-    }
-    if (candidate.entry.scope == Scope::own_items) {
-        frame.draw_own(candidate.entry.node, candidate.mask, decision);
-    } else {
-        frame.draw_leaf(candidate.entry.node, candidate.mask, decision);
-    }
-}
-
-// What an opened node consists of: its own items and its children, the farthest first.
-void Adaptive::add_children(CullFrame& frame, const Candidate& candidate,
-                            std::vector<Candidate>& out)
-{
-    const NodeId node = candidate.entry.node;
-    push_far_to_near(hierarchy(), frame.view(), node, children_, [&](NodeId child) {
-        out.push_back({{child}, candidate.mask, 0.0f});
-    });
-    if (hierarchy().node(node).own_items > 0) {
-        HierarchyCut::Entry own{node};
-        own.scope = Scope::own_items;
-        out.push_back({own, candidate.mask, 0.0f});
-    }
+    return method_ != TestMethod::pyramid || CutCuller::merges(frame, node);
 }
 
 // --- the plan ------------------------------------------------------------------------------------
@@ -225,8 +180,9 @@ void Adaptive::start_frame(CullFrame& frame)
     tests_ = 0.0;
     spent_us_ = 0.0;
     hidden_units_ = 0.0;
-    depth_known_ = false;
+    depth_.start_frame();
     units_at_read_ = 0.0;
+    hidden_at_read_ = 0.0;
     read_after_us_ = kFirstReadAfter * costs_.round(TestMethod::pyramid).us_per_round;
     started_us_ = now();
 }
@@ -280,7 +236,7 @@ void Adaptive::judge(CullFrame& frame)
     const bool pays = spent_us_ > 0.0 && saved_per_spent_ >= double{options_.keep_margin};
     if (options_.method == AdaptiveOptions::Method::automatic && !pays) {
         stop_culling();
-        frames_since_probe_ = depth_known_ || method_ != TestMethod::pyramid ? 0 : kRareProbe;
+        frames_since_probe_ = depth_.known() || method_ != TestMethod::pyramid ? 0 : kRareProbe;
     }
 }
 
@@ -291,121 +247,16 @@ void Adaptive::stop_culling()
     late_.clear();
 }
 
-// --- one frame of culling ------------------------------------------------------------------------
-
-// Parts the cut into what is outside, what was visible and is drawn at once, and the rest.
-void Adaptive::sort_out(CullFrame& frame)
-{
-    expected_.clear();
-    candidates_.clear();
-    if (cut_.empty()) {
-        cut_.reset(hierarchy());
-    }
-    for (const HierarchyCut::Entry& entry : cut_.entries()) {
-        Candidate candidate{entry};
-        if (!frame.visit(entry.node, candidate.mask)) {
-            candidate.entry.state = State::outside;
-            candidate.entry.frames_hidden = 0;
-            cut_.keep(candidate.entry);
-            continue;
-        }
-        if (entry.state == State::visible) {
-            const bool late_hidden =
-                std::binary_search(found_hidden_.begin(), found_hidden_.end(), entry.node);
-            if (!late_hidden) {
-                candidate.distance = frame.view().distance_key(hierarchy().node(entry.node).box);
-                expected_.push_back(candidate);
-                continue;
-            }
-            candidate.entry.state = State::hidden;
-        }
-        candidates_.push_back(candidate);
-    }
-}
-
-void Adaptive::draw_expected(CullFrame& frame)
-{
-    std::sort(expected_.begin(), expected_.end(),
-              [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
-    for (const Candidate& candidate : expected_) {
-        draw_entry(frame, candidate, Decision::drawn_tested);
-    }
-    frame.start_draws();
-}
-
-// Entries below one node that are all hidden or outside become that node, if it is hidden as well.
-// A few at a time: each costs a test, here or in the next frame.
-void Adaptive::finish_cut(CullFrame& frame)
-{
-    const uint64_t turn = hash64(options_.seed, frame.stamp());
-    cut_.finish(hierarchy(), [&](NodeId node, bool all_outside, HierarchyCut::Entry& replacement) {
-        if (uniform_below(mix64(turn ^ node.value), kMergeOneIn) != 0) {
-            return false;
-        }
-        PlaneMask mask = Frustum::kAllPlanes;
-        const bool outside = frame.view().frustum().classify(hierarchy().node(node).box, mask) ==
-                             Containment::outside;
-        if (all_outside || outside) {
-            replacement.state = State::outside;
-            return outside;
-        }
-        replacement.state = State::hidden;
-        return method_ != TestMethod::pyramid || hidden(frame, node);
-    });
-}
-
 // --- against depth that was read back ------------------------------------------------------------
-
-// Errs toward false. Invalid bounds are those of rule R1: visible.
-bool Adaptive::hidden(const CullFrame& frame, NodeId node)
-{
-    if (!depth_known_) {
-        return false;
-    }
-    ++tests_;
-    const ScreenBounds bounds = project(frame.view(), hierarchy().node(node).box);
-    return bounds.valid &&
-           (pyramid_.hides(bounds.rect, bounds.near_depth) || hidden_by_faces(node, bounds));
-}
-
-// Compares the rectangles of many boxes at once.
-void Adaptive::compare_all(std::span<const ScreenBounds> bounds)
-{
-    hidden_by_rectangle_.assign(bounds.size(), 0);
-    if (depth_known_) {
-        pyramid_.hides(bounds, DepthPyramid::Refinement::pixels, hidden_by_rectangle_);
-    }
-}
-
-// Where its rectangle does not hide a box, the box itself may: as many texels are looked at as cost a
-// part of what drawing would.
-bool Adaptive::hidden_by_faces(NodeId node, const ScreenBounds& bounds) const
-{
-    if (!depth_known_ || !bounds.valid) {
-        return false;
-    }
-    const Node& n = hierarchy().node(node);
-    const double texels = std::min(kTexelsPerUs * costs_.draw_us(n), kMostTexels);
-    return texels >= kLeastTexels &&
-           pyramid_.hides(ScreenBox{screen_, n.box}, bounds.rect, static_cast<uint32_t>(texels));
-}
 
 // Reads the depth of all that is drawn so far, and learns from the time that took what drawing
 // costs; a few times more, at rest, what reading costs.
 bool Adaptive::read_depth(CullFrame& frame)
 {
-    const glm::ivec2 size = frame.view().size_px();
-    frame.flush_draws();
+    if (!depth_.read(frame)) {
+        return false;
+    }
     const double units = costs_.units(frame.counters());
-    if (size.x <= 0 || size.y <= 0 || units == 0.0) {
-        return false;
-    }
-    const PixelRect all{0, 0, size.x, size.y};
-    depth_known_ = frame.read_depth(all, pyramid_.resize(size));
-    if (!depth_known_) {
-        return false;
-    }
-    pyramid_.build();
     const double read = now();
     measure_read(frame);
     const double read_us = costs_.round(TestMethod::pyramid).us_per_round;
@@ -414,9 +265,7 @@ bool Adaptive::read_depth(CullFrame& frame)
         costs_.drew(units - units_at_read_, std::max(read - started_us_ - read_us, 0.0));
     }
     units_at_read_ = units;
-    screen_ = ScreenSpace{frame.view(), frame.caps().samples_at_pixel_centers
-                                            ? SamplePositions::center
-                                            : SamplePositions::anywhere};
+    hidden_at_read_ = hidden_units_;
     started_us_ = now();
     return true;
 }
@@ -430,141 +279,56 @@ void Adaptive::measure_read(CullFrame& frame)
     if (!clock_ || measured >= kCostReads || dear) {
         return;
     }
-    const glm::ivec2 size = frame.view().size_px();
     const double from = now();
-    frame.read_depth({0, 0, size.x, size.y}, pyramid_.resize(size));
-    pyramid_.build();
+    depth_.read(frame);
     costs_.tested(TestMethod::pyramid, 1, now() - from);
 }
 
-// Draws what a candidate is, or puts what it consists of on the stack.
-void Adaptive::open(CullFrame& frame, const Candidate& candidate, bool tested)
+// While things are revealed: when so much waits to be drawn that it could hide the rest.
+bool Adaptive::read_again(CullFrame& frame)
 {
-    if (candidate.entry.scope == Scope::own_items || is_terminal(candidate.entry.node)) {
-        draw_entry(frame, candidate, tested ? Decision::drawn_revealed : Decision::drawn);
-        keep_visible(candidate.entry);
-        return;
+    const double queued_us =
+        costs_.us_per_unit() * costs_.units(frame.queued_triangles(), frame.queued_items());
+    const double hidden_before = hidden_at_read_;
+    if (!frame.caps().read_depth || queued_us <= read_after_us_ || !read_depth(frame)) {
+        return false;
     }
-    add_children(frame, candidate, stack_);
-}
-
-// Walks what is not known to be hidden near to far, and reads depth again when so much has been
-// drawn that it could hide the rest.
-void Adaptive::reveal(CullFrame& frame)
-{
-    double hidden_at_read = hidden_units_;
-    size_t untouched = stack_.size(); // at the bottom: in the frustum, and tested if depth is known
-    bool tested_once = depth_known_;
-    while (!stack_.empty()) {
-        Candidate candidate = stack_.back();
-        stack_.pop_back();
-        bool tested = tested_once && stack_.size() < untouched;
-        if (stack_.size() < untouched) {
-            untouched = stack_.size();
-        } else if (!frame.visit(candidate.entry.node, candidate.mask)) {
-            candidate.entry.state = State::outside;
-            cut_.keep(candidate.entry);
-            continue;
-        }
-        const double queued_us =
-            costs_.us_per_unit() * costs_.units(frame.queued_triangles(), frame.queued_items());
-        if (frame.caps().read_depth && queued_us > read_after_us_ && read_depth(frame)) {
-            const double saved_us = costs_.us_per_unit() * (hidden_units_ - hidden_at_read);
-            const double read_us = costs_.round(TestMethod::pyramid).us_per_round;
-            if (saved_us < kWellWorth * read_us) {
-                read_after_us_ *= kNextReadAfter;
-            }
-            hidden_at_read = hidden_units_;
-            tested_once = false;
-            tested = false;
-        }
-        if (!tested && depth_known_ && worth_testing(candidate.entry.node, hidden_share_)) {
-            const bool found_hidden = hidden(frame, candidate.entry.node);
-            note_first_answer(found_hidden);
-            if (found_hidden) {
-                keep_hidden(frame, candidate.entry, Decision::hidden);
-                continue;
-            }
-            tested = true;
-        }
-        open(frame, candidate, tested);
+    const double saved_us = costs_.us_per_unit() * (hidden_units_ - hidden_before);
+    if (saved_us < kWellWorth * costs_.round(TestMethod::pyramid).us_per_round) {
+        read_after_us_ *= kNextReadAfter;
     }
-}
-
-// Where the candidates and what is drawn already are on the screen: found while the device draws.
-void Adaptive::project_all(CullFrame& frame)
-{
-    const auto project_into = [&](std::span<const Candidate> from, std::vector<ScreenBounds>& to) {
-        boxes_.clear();
-        for (const Candidate& candidate : from) {
-            boxes_.push_back(hierarchy().node(candidate.entry.node).box);
-        }
-        to.resize(from.size());
-        project_boxes(frame.view(), boxes_, to);
-    };
-    const double from = now();
-    project_into(candidates_, candidate_bounds_);
-    project_into(expected_, expected_bounds_);
-    testing_us_ = now() - from;
-}
-
-void Adaptive::test_candidates(CullFrame& frame)
-{
-    const double from = now();
-    stack_.clear();
-    compare_all(candidate_bounds_);
-    for (size_t i = 0; i < candidates_.size(); ++i) {
-        Candidate& candidate = candidates_[i];
-        if (hidden_by_rectangle_[i] != 0 ||
-            hidden_by_faces(candidate.entry.node, candidate_bounds_[i])) {
-            keep_hidden(frame, candidate.entry, Decision::hidden);
-        } else {
-            candidate.distance =
-                frame.view().distance_key(hierarchy().node(candidate.entry.node).box);
-            stack_.push_back(candidate);
-        }
-    }
-    std::sort(stack_.begin(), stack_.end(),
-              [](const Candidate& a, const Candidate& b) { return a.distance > b.distance; });
-    testing_us_ += now() - from;
-}
-
-void Adaptive::retest_by_pyramid(CullFrame& frame)
-{
-    const double from = now();
-    compare_all(expected_bounds_);
-    for (size_t i = 0; i < expected_.size(); ++i) {
-        HierarchyCut::Entry& entry = expected_[i].entry;
-        if (hidden_by_rectangle_[i] != 0 || hidden_by_faces(entry.node, expected_bounds_[i])) {
-            keep_hidden(frame, entry, Decision::undecided);
-        } else {
-            entry.tested = frame.stamp();
-            keep_visible(entry);
-        }
-    }
-    testing_us_ += now() - from;
+    return true;
 }
 
 void Adaptive::by_pyramid(CullFrame& frame)
 {
+    double testing_us = -now();
     project_all(frame);
+    testing_us += now();
     if (!candidates_.empty() && read_depth(frame)) {
         measure_methods(frame, candidates_);
     }
+    testing_us -= now();
     test_candidates(frame);
+    testing_us += now();
+    hidden_at_read_ = hidden_units_;
     reveal(frame);
     frame.flush_draws();
-    retest_by_pyramid(frame);
-    if (!depth_known_) {
+    testing_us -= now();
+    retest(frame);
+    testing_us += now();
+    if (!depth_.known()) {
         return;
     }
     const size_t tests = candidates_.size() + expected_.size();
     if (clock_ && tests >= kLeastTests) {
-        costs_.tested(method_, tests + 1, costs_.round(method_).us_per_round + testing_us_);
+        costs_.tested(method_, tests + 1, costs_.round(method_).us_per_round + testing_us);
     }
     tests_ += static_cast<double>(tests);
     spent_us_ += tests_ * costs_.round(method_).us_per_test;
 }
+
+// --- probes --------------------------------------------------------------------------------------
 
 // Where nothing is tested: what would tests hide? Asks of the finished frame, down to nodes that
 // matter.
@@ -576,13 +340,14 @@ void Adaptive::probe(CullFrame& frame)
     if (method_ == TestMethod::pyramid) {
         probe_by_pyramid(frame);
     } else {
-        probing_ = true;
+        all_drawn_ = true;
         candidates_.assign(1, Candidate{cut_.entries()[0]});
         by_rounds(frame);
-        probing_ = false;
+        all_drawn_ = false;
         last_probe_us_ = spent_us_;
     }
-    cut_.finish(hierarchy(), [](NodeId, bool, HierarchyCut::Entry&) { return false; });
+    cut_.finish(
+        hierarchy(), [](NodeId) { return false; }, [](NodeId, bool, Entry&) { return false; });
     const double saved_us = costs_.us_per_unit() * hidden_units_;
     frame.plan().saved_us = static_cast<float>(saved_us);
     frame.plan().spent_us = static_cast<float>(spent_us_);
@@ -606,21 +371,22 @@ void Adaptive::probe_by_pyramid(CullFrame& frame)
     while (!stack_.empty()) {
         Candidate candidate = stack_.back();
         stack_.pop_back();
-        const Node& node = hierarchy().node(candidate.entry.node);
-        if (frame.view().frustum().classify(node.box, candidate.mask) == Containment::outside) {
-            candidate.entry.state = State::outside;
-            cut_.keep(candidate.entry);
-        } else if (hidden(frame, candidate.entry.node)) {
-            hidden_units_ += costs_.units(node);
-            candidate.entry.state = State::hidden;
-            cut_.keep(candidate.entry);
-        } else if (candidate.entry.scope == Scope::own_items || is_terminal(candidate.entry.node)) {
-            keep_visible(candidate.entry);
-        } else if (costs_.units(node) < grain) {
-            candidate.entry.state = State::unknown;
-            cut_.keep(candidate.entry);
+        Entry& entry = candidate.entry;
+        ++tests_;
+        if (frame.view().frustum().classify(box_of(entry), candidate.mask) ==
+            Containment::outside) {
+            keep_outside(entry);
+        } else if (hidden(frame, entry)) {
+            spared(entry);
+            entry.state = State::hidden;
+            cut_.keep(entry);
+        } else if (!opens(entry)) {
+            keep_visible(entry);
+        } else if (units(entry) < grain) {
+            entry.state = State::unknown;
+            cut_.keep(entry);
         } else {
-            add_children(frame, candidate, stack_);
+            add_parts(frame, candidate, stack_);
         }
     }
     spent_us_ += clock_ ? now() - tested_from : tests_ * costs_.round(method_).us_per_test;
@@ -636,12 +402,13 @@ void Adaptive::cull_frame(CullFrame& frame)
     take_late_answers(frame);
     sort_out(frame);
     draw_expected(frame);
+    frame.start_draws();
     if (method_ == TestMethod::pyramid) {
         by_pyramid(frame);
     } else {
         by_device(frame);
     }
-    finish_cut(frame);
+    finish_cut(frame, options_.seed);
     judge(frame);
     if (!culling_ && method_ == TestMethod::pyramid && probe_due(double{frame.plan().drawn_us})) {
         probe(

@@ -7,10 +7,10 @@
 //             multiqueries of O. Mattausch, J. Bittner, M. Wimmer, EG 2008 (chc_plus_plus.h).
 // Map         one frame, in order (Adaptive::cull_frame):
 //               per view: cull, or draw all?    -> judge (at the end of the frame before)
-//               sort the cut by what was seen   -> sort_out
+//               sort the cut by what was seen   -> sort_out (cut_culler.h)
 //               draw what was visible           -> draw_expected
 //               test the rest, draw what shows  -> by_pyramid or by_device
-//               test what was drawn, for later  -> retest_by_pyramid, retest_by_device
+//               test what was drawn, for later  -> retest, retest_by_device
 //               keep the cut short              -> finish_cut
 //             c_bb, c_scr, p_cov, p_occ         -> coverage.h
 //             t_render, t_query                 -> cost_model.h
@@ -29,21 +29,16 @@
 //             or a few rounds of tests. When it draws all: that of `frustum`, and the probes.
 #pragma once
 
-#include <occlude/core/depth_pyramid.h>
-#include <occlude/core/projection.h>
 #include <occlude/cull/chc_plus_plus_math.h>
 #include <occlude/cull/clock.h>
 #include <occlude/cull/cost_model.h>
 #include <occlude/cull/coverage.h>
-#include <occlude/cull/cull_frame.h>
-#include <occlude/cull/culler.h>
+#include <occlude/cull/cut_culler.h>
 #include <occlude/cull/frustum_walk.h>
-#include <occlude/cull/hierarchy_cut.h>
 
 #include <array>
 #include <cstdint>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace occlude {
@@ -68,30 +63,24 @@ constexpr auto option_names(AdaptiveOptions::Method)
     return std::array<std::string_view, 5>{"automatic", "draw_all", "queries", "raster", "pyramid"};
 }
 
-class Adaptive final : public Culler {
+class Adaptive final : public CutCuller {
 public:
     /// Without a clock costs are what the device's hints say.
     explicit Adaptive(const Hierarchy& hierarchy, AdaptiveOptions options = {},
                       SecondsClock clock = {});
 
     const CostModel& costs() const { return costs_; }
-    const HierarchyCut& cut() const { return cut_; }
 
 private:
-    struct Candidate {
-        HierarchyCut::Entry entry;
-        PlaneMask mask = Frustum::kAllPlanes;
-        float distance = 0.0f;
-        bool alone = false; ///< a test together with others found samples
-    };
     /// A test under way over candidates [first, first + count) of `round_`.
     struct Group {
         uint32_t first = 0;
         uint32_t count = 0;
     };
+    /// A test of what is drawn, whose answer is for a frame to come.
     struct LateTest {
         Ticket ticket;
-        NodeId node;
+        uint64_t entry = 0; ///< name_of() it
     };
 
     void cull_frame(CullFrame& frame) override;
@@ -107,23 +96,24 @@ private:
     void probe(CullFrame& frame);
     void probe_by_pyramid(CullFrame& frame);
 
-    // --- one frame of culling ---
-    void sort_out(CullFrame& frame);
-    void draw_expected(CullFrame& frame);
-    void finish_cut(CullFrame& frame);
+    // --- the rules of the traversal (cut_culler.h) ---
+    bool opens(NodeId node) const override;
+    using CutCuller::opens;
+    uint32_t most_texels(const Entry& entry) const override;
+    bool worth_testing(const Entry& entry) const override
+    {
+        return worth_testing(entry, hidden_share_);
+    }
+    bool still_visible(const Entry& entry) const override;
+    bool read_again(CullFrame& frame) override;
+    void answered(bool hidden) override;
+    void spared(const Entry& entry) override { hidden_units_ += units(entry); }
+    bool merges(CullFrame& frame, NodeId node) override;
 
     // --- against depth that was read back ---
     void by_pyramid(CullFrame& frame);
-    void project_all(CullFrame& frame);
-    void test_candidates(CullFrame& frame);
     bool read_depth(CullFrame& frame);
     void measure_read(CullFrame& frame);
-    void reveal(CullFrame& frame);
-    void open(CullFrame& frame, const Candidate& candidate, bool tested);
-    void retest_by_pyramid(CullFrame& frame);
-    bool hidden(const CullFrame& frame, NodeId node);
-    void compare_all(std::span<const ScreenBounds> bounds);
-    bool hidden_by_faces(NodeId node, const ScreenBounds& bounds) const;
 
     // --- by tests on the device (adaptive_device_tests.cpp) ---
     void by_device(CullFrame& frame);
@@ -141,20 +131,30 @@ private:
     void measure_methods(CullFrame& frame, std::span<const Candidate> candidates);
 
     // --- shared ---
-    bool is_terminal(NodeId node) const;
-    void note_first_answer(bool found_hidden);
-    bool worth_testing(NodeId node, double probability) const;
-    void keep_hidden(CullFrame& frame, HierarchyCut::Entry entry, Decision decision);
-    void keep_visible(HierarchyCut::Entry entry);
-    void draw_entry(CullFrame& frame, const Candidate& candidate, Decision decision);
-    void add_children(CullFrame& frame, const Candidate& candidate, std::vector<Candidate>& out);
+    double units(const Entry& entry) const
+    {
+        return costs_.units(triangles_of(entry), items_of(entry));
+    }
+    double draw_us(const Entry& entry) const { return costs_.us_per_unit() * units(entry); }
+    bool worth_testing(const Entry& entry, double probability) const;
+    Aabb test_box(const CullFrame& frame, const Entry& entry) const
+    {
+        return frame.view().inflated_for_test(box_of(entry));
+    }
+    bool near(const CullFrame& frame, const Entry& entry) const
+    {
+        return frame.view().touches_near(test_box(frame, entry));
+    }
+    static uint64_t name_of(const Entry& entry)
+    {
+        return uint64_t{entry.node.value} << 32 | entry.place;
+    }
     /// Microseconds; 0 without a clock.
     double now() const { return clock_ ? 1e6 * clock_() : 0.0; }
 
     AdaptiveOptions options_;
     SecondsClock clock_;
     CostModel costs_;
-    HierarchyCut cut_;
 
     // Of the view, from frame to frame.
     TestMethod method_ = TestMethod::automatic;
@@ -168,36 +168,22 @@ private:
     double hidden_share_ = 0.5; ///< of the work in nodes that were tested for the first time
 
     // Of the frame.
-    bool probing_ = false; ///< asking of a frame that is drawn already
     double started_us_ = 0.0;
-    double tests_ = 0.0;      ///< made so far
-    double spent_us_ = 0.0;   ///< on them
-    double testing_us_ = 0.0; ///< by the clock, in comparisons with depth
+    double spent_us_ = 0.0; ///< on tests
     double hidden_units_ = 0.0;
-    std::vector<Candidate> expected_;   ///< visible in the last frame, in the frustum
-    std::vector<Candidate> candidates_; ///< hidden or unknown, in the frustum
-    std::vector<Aabb> boxes_;
-    std::vector<uint8_t> hidden_by_rectangle_;
-    std::vector<ScreenBounds> expected_bounds_;
-    std::vector<ScreenBounds> candidate_bounds_;
 
     // Against depth.
-    DepthPyramid pyramid_;
-    ScreenSpace screen_;
-    bool depth_known_ = false;
     double read_after_us_ = 0.0; ///< of drawing, before depth is read again
     double units_at_read_ = 0.0;
-    std::vector<Candidate> stack_;
-    std::vector<std::pair<float, NodeId>> children_;
+    double hidden_at_read_ = 0.0; ///< units
 
     // By tests on the device.
     std::vector<Candidate> round_;
     std::vector<Candidate> next_round_;
     std::vector<Group> groups_;
-    std::vector<std::pair<double, uint32_t>> by_keep_;
     std::vector<double> keep_;
     std::vector<LateTest> late_;
-    std::vector<NodeId> found_hidden_;
+    std::vector<uint64_t> found_hidden_; ///< names of entries, ascending
     TestBatch batch_;
     std::vector<Ticket> tickets_;
     KeepTable keep_table_;

@@ -11,9 +11,6 @@ namespace occlude {
 
 namespace {
 
-using State = HierarchyCut::State;
-using Scope = HierarchyCut::Scope;
-
 // What a test of something visible may gain is divided by the depth complexity. Guthe, Balazs and
 // Klein take 3; on the devices of adaptive_costs_test.cpp less is better.
 constexpr double kDepthComplexity = 1.5;
@@ -36,7 +33,7 @@ void Adaptive::take_late_answers(CullFrame& frame)
     std::erase_if(late_, [&](const LateTest& test) {
         const Answer answer = frame.poll(test.ticket);
         if (!is_visible(answer, 0) && answer.state == AnswerState::ready) {
-            found_hidden_.push_back(test.node);
+            found_hidden_.push_back(test.entry);
         }
         return answer.state != AnswerState::pending;
     });
@@ -46,9 +43,8 @@ void Adaptive::take_late_answers(CullFrame& frame)
 // QueryReasonable for what is visible: the longer ago its last test, the sooner it pays again.
 bool Adaptive::retest_reasonable(const CullFrame& frame, const Candidate& candidate)
 {
-    const Node& node = hierarchy().node(candidate.entry.node);
-    const ScreenBounds bounds = project(frame.view(), node.box);
-    if (!bounds.valid || frame.near(candidate.entry.node)) {
+    const ScreenBounds bounds = project(frame.view(), box_of(candidate.entry));
+    if (!bounds.valid || near(frame, candidate.entry)) {
         return false;
     }
     const double share = coverage_.share(bounds);
@@ -56,7 +52,7 @@ bool Adaptive::retest_reasonable(const CullFrame& frame, const Candidate& candid
     coverage_.drew(share);
     const double test_us = costs_.round(method_).us_per_test;
     const double benefit_us =
-        0.5 * covered * covered * (costs_.draw_us(node) - test_us) / kDepthComplexity;
+        0.5 * covered * covered * (draw_us(candidate.entry) - test_us) / kDepthComplexity;
     const auto age = static_cast<double>(frame.stamp() - candidate.entry.tested);
     return test_us < age * benefit_us;
 }
@@ -69,9 +65,9 @@ void Adaptive::retest_by_device(CullFrame& frame)
     for (Candidate& candidate : expected_) {
         const size_t room = frame.caps().max_outstanding;
         if (late_.size() < room && retest_reasonable(frame, candidate)) {
-            batch_.add_box(frame.test_box(candidate.entry.node), candidate.entry.node);
+            batch_.add_box(test_box(frame, candidate.entry), candidate.entry.node);
             batch_.end_test();
-            late_.push_back({Ticket{}, candidate.entry.node});
+            late_.push_back({Ticket{}, name_of(candidate.entry)});
             candidate.entry.tested = frame.stamp();
         }
         keep_visible(candidate.entry);
@@ -92,21 +88,21 @@ void Adaptive::retest_by_device(CullFrame& frame)
 
 void Adaptive::draw_untested(CullFrame& frame, const Candidate& candidate)
 {
-    draw_entry(frame, candidate, Decision::drawn);
+    draw(frame, candidate, Decision::drawn);
     keep_visible(candidate.entry);
 }
 
 // A leaf that a test revealed is drawn; of an inner node the parts are tested next.
 void Adaptive::open_for_next_round(CullFrame& frame, const Candidate& candidate)
 {
-    if (candidate.entry.scope == Scope::own_items || is_terminal(candidate.entry.node)) {
+    if (!opens(candidate.entry)) {
         Candidate drawn = candidate;
         drawn.entry.tested = frame.stamp();
-        draw_entry(frame, drawn, Decision::drawn_revealed);
+        draw(frame, drawn, Decision::drawn_revealed);
         keep_visible(drawn.entry);
         return;
     }
-    add_children(frame, candidate, next_round_);
+    add_parts(frame, candidate, next_round_);
 }
 
 // Leaves in `round_` what will be tested: of the candidates in the frustum, those that a test may
@@ -117,31 +113,29 @@ void Adaptive::collect_round(CullFrame& frame, bool first_round)
     while (!candidates_.empty()) {
         Candidate candidate = candidates_.back();
         candidates_.pop_back();
-        const NodeId node = candidate.entry.node;
-        if (!first_round && !frame.visit(node, candidate.mask)) {
-            candidate.entry.state = State::outside;
-            cut_.keep(candidate.entry);
+        const Entry& entry = candidate.entry;
+        if (!first_round && !visit(frame, candidate)) {
+            keep_outside(entry);
             continue;
         }
-        const double chance = candidate.entry.state == State::hidden ? 1.0 : hidden_share_;
-        if (frame.near(node)) {
-            if (candidate.entry.scope == Scope::own_items || is_terminal(node)) {
-                draw_entry(frame, candidate, Decision::drawn_near);
-                keep_visible(candidate.entry);
+        const double chance = entry.state == State::hidden ? 1.0 : hidden_share_;
+        if (near(frame, entry)) {
+            if (!opens(entry)) {
+                draw(frame, candidate, Decision::drawn_near);
+                keep_visible(entry);
             } else {
                 next_round_.clear();
-                add_children(frame, candidate, next_round_);
+                add_parts(frame, candidate, next_round_);
                 for (Candidate& child : next_round_) {
-                    if (frame.visit(child.entry.node, child.mask)) {
+                    if (visit(frame, child)) {
                         candidates_.push_back(child);
                     } else {
-                        child.entry.state = State::outside;
-                        cut_.keep(child.entry);
+                        keep_outside(child.entry);
                     }
                 }
                 next_round_.clear();
             }
-        } else if (!worth_testing(node, chance)) {
+        } else if (!worth_testing(entry, chance)) {
             draw_untested(frame, candidate);
         } else {
             round_.push_back(candidate);
@@ -150,7 +144,7 @@ void Adaptive::collect_round(CullFrame& frame, bool first_round)
     // What all of them may hide must be worth the wait for one more round.
     double hidden_us = 0.0;
     for (const Candidate& candidate : round_) {
-        hidden_us += hidden_share_ * costs_.draw_us(hierarchy().node(candidate.entry.node));
+        hidden_us += hidden_share_ * draw_us(candidate.entry);
     }
     const double round_us = costs_.round(method_).of(static_cast<double>(round_.size()));
     if (!first_round && hidden_us < round_us) {
@@ -190,8 +184,8 @@ void Adaptive::group_round(CullFrame& frame)
                 best_multiquery_size(std::span<const double>{keep_}.subspan(first)));
         }
         for (uint32_t i = first; i < first + count; ++i) {
-            const NodeId node = round_[i].entry.node;
-            batch_.add_box(frame.test_box(node), node);
+            const Entry& entry = round_[i].entry;
+            batch_.add_box(test_box(frame, entry), entry.node);
         }
         batch_.end_test();
         groups_.push_back({first, count});
@@ -206,7 +200,7 @@ void Adaptive::note_answer(const Candidate& candidate, bool found_hidden)
     if (candidate.entry.state == State::hidden) {
         keep_table_.record(candidate.entry.frames_hidden, found_hidden);
     } else {
-        note_first_answer(found_hidden);
+        answered(found_hidden);
     }
 }
 
@@ -297,7 +291,7 @@ void Adaptive::measure_methods(CullFrame& frame, std::span<const Candidate> cand
             const size_t count = i % 2 == 0 ? 1 : kMeasuredTests;
             batch_.clear();
             for (const Candidate& candidate : candidates.first(count)) {
-                batch_.add_box(frame.test_box(candidate.entry.node), candidate.entry.node);
+                batch_.add_box(test_box(frame, candidate.entry), candidate.entry.node);
                 batch_.end_test();
             }
             const double from = now();

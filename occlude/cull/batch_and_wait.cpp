@@ -39,6 +39,9 @@ void BatchAndWait::handle_results(CullFrame& frame, std::span<const ObjectTests:
 
 void BatchAndWait::cull_frame(CullFrame& frame)
 {
+    if (options_.depth_only_pass) {
+        frame.use_depth_only_pass();
+    }
     // What is not tested is drawn first: it hides the rest.
     tested_.clear();
     for (const ObjectTests::Object& object : tests_.collect_near_to_far(frame)) {

@@ -5,6 +5,7 @@
 //             29.3.1, "for each of n queries": result   -> BatchAndWait::handle_results
 //             29.3.2, occluders first                   -> BatchAndWait::is_occluder
 //             29.4.1, opaque front to back              -> ObjectTests::collect_near_to_far
+//             29.3.1, passes after the first only if seen -> Options::depth_only_pass
 //             29.5.1, 29.6.1, 29.6.2                    -> ObjectTestOptions
 // Deviations  Objects are tested near to far in groups of n, so that a group sees what the groups
 //             before it drew; the chapter tests all n objects of the scene at once (a large
@@ -34,6 +35,9 @@ struct BatchAndWaitOptions {
     /// An object with at most this many visible samples is hidden. Above 0 the image is
     /// approximate.
     uint64_t threshold = 0;
+    /// Tests against a depth-only pass, the first of the passes of what is drawn, and then shades
+    /// everything drawn in one batch.
+    bool depth_only_pass = false;
     ObjectTestOptions tests = {};
 };
 
@@ -69,6 +73,7 @@ void visit_options(BatchAndWaitOptions& o, Visit&& visit)
     visit("occluder_share", o.occluder_share,
           "objects of at least this share of the screen are drawn first, untested");
     visit("threshold", o.threshold, "samples up to which an object is hidden; above 0 not exact");
+    visit("depth_only_pass", o.depth_only_pass, "test against a depth-only pass, then shade once");
     visit_options(o.tests, visit);
 }
 

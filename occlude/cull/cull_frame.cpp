@@ -68,6 +68,17 @@ bool CullFrame::visit(NodeId node, PlaneMask& mask)
     return true;
 }
 
+bool CullFrame::visit_item(NodeId owner, uint32_t place, PlaneMask& mask)
+{
+    ++report_.counters.nodes_visited;
+    if (view_.frustum().classify(hierarchy_.item_bounds()[place].box, mask) ==
+        Containment::outside) {
+        decide_item(owner, place, Decision::outside);
+        return false;
+    }
+    return true;
+}
+
 bool CullFrame::visit_sphere_first(NodeId node, PlaneMask& mask, float elongation)
 {
     ++report_.counters.nodes_visited;

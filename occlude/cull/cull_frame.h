@@ -73,7 +73,10 @@ public:
     /// that its descendants need not test. Counts one visited node.
     bool visit(NodeId node, PlaneMask& mask);
 
-    /// The same by the ball around the node's box first (classify_sphere_first()), with its box only
+    /// The same of one item of node `owner`, by its place in Hierarchy::items(); logged of the item.
+    bool visit_item(NodeId owner, uint32_t place, PlaneMask& mask);
+
+    /// The same of a node by the ball around the node's box first (classify_sphere_first()), with its box only
     /// if it is longer than `elongation`: true for some more nodes that are outside.
     bool visit_sphere_first(NodeId node, PlaneMask& mask, float elongation);
 

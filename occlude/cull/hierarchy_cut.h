@@ -7,8 +7,8 @@
 //         a        H                  H  a subtree that was found hidden (hidden)
 //        / \                          O  a subtree outside the frustum   (outside)
 //       V    b                        ?  not known yet                   (unknown)
-//           / \                     Every item lies below exactly one entry. Opened nodes (root, a,
-//          H    O                   b) are no entries, unless they have items of their own.
+//           /|\                     ... and, where a node was opened, its own items one by one (i).
+//          H O i                    Every item lies below exactly one entry or is one.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>
@@ -22,16 +22,17 @@ namespace occlude {
 class HierarchyCut {
 public:
     enum class State : uint8_t { unknown, hidden, visible, outside };
-    enum class Scope : uint8_t {
-        subtree,   ///< the node with all that is below it
-        own_items, ///< the items of an opened node itself
-    };
+    static constexpr uint32_t kSubtree = 0xffffffffu;
+
     struct Entry {
         NodeId node;
+        uint32_t place = kSubtree;  ///< of one of the node's own items in Hierarchy::items(), or
+                                    ///< the node with all that is below it
         uint32_t tested = 0;        ///< stamp of the last test; 0: never
         uint16_t frames_hidden = 0; ///< frames for which tests have found nothing
         State state = State::unknown;
-        Scope scope = Scope::subtree;
+
+        bool is_item() const { return place != kSubtree; }
     };
 
     /// Forgets everything: one unknown entry, the root. Precondition: the tree is not empty.
@@ -45,71 +46,99 @@ public:
     /// Adds an entry of the cut that this frame leaves. Together they must cover the tree again.
     void keep(const Entry& entry) { next_.push_back(entry); }
 
-    /// Ends a frame: the kept entries become the cut. Where all entries below a node are hidden or
-    /// outside, `merged(node, all_outside, replacement)` may answer true, and `replacement` takes their
-    /// place. One level per frame; O(entries).
-    template <class Merged>
-    void finish(const Hierarchy& hierarchy, Merged&& merged);
+    /// Ends a frame: the kept entries become the cut. Of the opened nodes that `chosen(node)` is
+    /// true of, those below which all entries are hidden or outside may be closed again: where
+    /// `merged(node, all_outside, replacement)` is true, `replacement` takes their place. One level
+    /// per frame; O(entries).
+    template <class Chosen, class Merged>
+    void finish(const Hierarchy& hierarchy, Chosen&& chosen, Merged&& merged);
+
+    /// For loops over entries: asks for what will be needed a few entries after `i`. In large scenes
+    /// nodes and items come from memory, and many can be on their way at once.
+    static void fetch_ahead(const Hierarchy& hierarchy, std::span<const Entry> entries, size_t i);
 
 private:
+    /// What is counted below an opened node.
+    struct Parent {
+        NodeId node; ///< invalid: a free place
+        uint32_t quiet = 0;
+        uint32_t outside = 0;
+        enum class Fate : uint8_t { not_asked, stays, merged } fate = Fate::not_asked;
+    };
+    static constexpr uint32_t kNone = 0xffffffffu;
+
     // The node that the entry was opened from.
     static NodeId opened_from(const Hierarchy& hierarchy, const Entry& entry)
     {
-        return entry.scope == Scope::own_items ? entry.node : hierarchy.node(entry.node).parent;
+        return entry.is_item() ? entry.node : hierarchy.node(entry.node).parent;
     }
     static bool quiet(const Entry& entry)
     {
         return entry.state == State::hidden || entry.state == State::outside;
     }
-    // What is counted below an opened node: quiet entries, and in the high half those outside.
-    static constexpr uint32_t kOutside = 1u << 16;
-    static constexpr uint32_t kMerged = 0xffffffffu;
-
-    static uint32_t entries_below(const Node& node)
-    {
-        return node.child_count + (node.own_items > 0 ? 1 : 0);
-    }
+    void start_counting();
+    uint32_t find(NodeId parent);
 
     std::vector<Entry> entries_;
     std::vector<Entry> next_;
-    std::vector<uint32_t> quiet_below_; ///< per node; all 0 between frames
+    std::vector<Parent> parents_;     ///< a hash table, of a power of two, twice as large as needed
+    std::vector<uint32_t> parent_of_; ///< of the entries of next_: a place in parents_, or kNone
 };
 
-template <class Merged>
-void HierarchyCut::finish(const Hierarchy& hierarchy, Merged&& merged)
+inline void HierarchyCut::fetch_ahead([[maybe_unused]] const Hierarchy& hierarchy,
+                                      [[maybe_unused]] std::span<const Entry> entries,
+                                      [[maybe_unused]] size_t i)
 {
-    for (const Entry& entry : next_) {
-        const NodeId parent = opened_from(hierarchy, entry);
-        // Wider nodes than the counter holds stay open.
-        if (quiet(entry) && parent.valid() && entries_below(hierarchy.node(parent)) < kOutside) {
-            quiet_below_[parent.value] += entry.state == State::outside ? 1 + kOutside : 1;
+#ifdef __GNUC__
+    constexpr size_t kAhead = 8;
+    if (i + kAhead < entries.size()) {
+        const Entry& entry = entries[i + kAhead];
+        const Node* node = &hierarchy.node(entry.node);
+        const ItemBounds* item = entry.is_item() ? &hierarchy.item_bounds()[entry.place] : nullptr;
+        const char* first =
+            item ? reinterpret_cast<const char*>(item) : reinterpret_cast<const char*>(node);
+        __builtin_prefetch(first);
+        __builtin_prefetch(first + (item ? sizeof *item : sizeof *node) - 1); // the next line
+    }
+#endif
+}
+
+template <class Chosen, class Merged>
+void HierarchyCut::finish(const Hierarchy& hierarchy, Chosen&& chosen, Merged&& merged)
+{
+    start_counting();
+    for (size_t i = 0; i < next_.size(); ++i) {
+        fetch_ahead(hierarchy, next_, i);
+        const Entry& entry = next_[i];
+        const NodeId node = quiet(entry) ? opened_from(hierarchy, entry) : NodeId{};
+        parent_of_[i] = node.valid() && chosen(node) ? find(node) : kNone;
+        if (parent_of_[i] != kNone) {
+            Parent& parent = parents_[parent_of_[i]];
+            ++parent.quiet;
+            parent.outside += entry.state == State::outside ? 1 : 0;
         }
     }
     entries_.clear();
-    for (const Entry& entry : next_) {
-        const NodeId parent = opened_from(hierarchy, entry);
-        if (!quiet(entry) || !parent.valid()) {
+    for (size_t i = 0; i < next_.size(); ++i) {
+        const Entry& entry = next_[i];
+        if (parent_of_[i] == kNone) {
             entries_.push_back(entry);
             continue;
         }
-        uint32_t& count = quiet_below_[parent.value];
-        const uint32_t all = entries_below(hierarchy.node(parent));
-        if (count == kMerged) {
-            continue; // its replacement is in the cut
+        Parent& parent = parents_[parent_of_[i]];
+        if (parent.fate == Parent::Fate::not_asked) {
+            const Node& node = hierarchy.node(parent.node);
+            const uint32_t all = node.child_count + node.own_items;
+            Entry replacement{parent.node, kSubtree, entry.tested, entry.frames_hidden,
+                              entry.state};
+            parent.fate = Parent::Fate::stays;
+            if (parent.quiet == all && merged(parent.node, parent.outside == all, replacement)) {
+                parent.fate = Parent::Fate::merged;
+                entries_.push_back(replacement);
+            }
         }
-        Entry replacement{parent, entry.tested, entry.frames_hidden, entry.state};
-        if (count % kOutside == all && merged(parent, count / kOutside == all, replacement)) {
-            count = kMerged;
-            entries_.push_back(replacement);
-        } else {
-            count = 0; // asked once: the others stay as well
+        if (parent.fate == Parent::Fate::stays) {
             entries_.push_back(entry);
-        }
-    }
-    for (const Entry& entry : next_) {
-        const NodeId parent = opened_from(hierarchy, entry);
-        if (parent.valid()) {
-            quiet_below_[parent.value] = 0;
         }
     }
     next_.clear();

@@ -1,5 +1,6 @@
 #include <occlude/cull/registry.h>
 
+#include <occlude/core/option_text.h>
 #include <occlude/cull/adaptive.h>
 #include <occlude/cull/batch_and_wait.h>
 #include <occlude/cull/chc.h>
@@ -18,126 +19,17 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <concepts>
-#include <limits>
 #include <type_traits>
 
 namespace occlude {
 
 namespace {
 
-// --- options as text
-// ---------------------------------------------------------------------------------
-
-std::string to_text(bool value)
-{
-    return value ? "true" : "false";
-}
-
-template <class T>
-std::string to_text(const T& value)
-{
-    if constexpr (std::is_enum_v<T>) {
-        return std::string{option_names(value)[static_cast<size_t>(value)]};
-    } else {
-        char buffer[64];
-        const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-        return {buffer, end};
-    }
-}
-
-bool from_text(std::string_view text, bool& value)
-{
-    const bool yes = text == "true" || text == "on" || text == "1";
-    const bool no = text == "false" || text == "off" || text == "0";
-    value = yes;
-    return yes || no;
-}
-
-template <class T>
-bool from_text(std::string_view text, T& value)
-{
-    if constexpr (std::is_enum_v<T>) {
-        const auto names = option_names(value);
-        for (size_t i = 0; i < names.size(); ++i) {
-            if (names[i] == text) {
-                value = static_cast<T>(i);
-                return true;
-            }
-        }
-        return false;
-    } else {
-        const char* end = text.data() + text.size();
-        const auto result = std::from_chars(text.data(), end, value);
-        return result.ec == std::errc{} && result.ptr == end;
-    }
-}
-
-template <class T>
-std::string accepted_values(const T& value)
-{
-    if constexpr (std::is_same_v<T, bool>) {
-        return "true or false";
-    } else if constexpr (std::is_enum_v<T>) {
-        std::string text = "one of";
-        for (const std::string_view name : option_names(value)) {
-            text += ' ';
-            text += name;
-        }
-        return text;
-    } else if constexpr (std::is_integral_v<T>) {
-        return "a whole number from 0 to " + std::to_string(std::numeric_limits<T>::max());
-    } else {
-        return "a number";
-    }
-}
-
 struct NoOptions {};
 template <class Visit>
 void visit_options(NoOptions&, Visit&&)
 {
-}
-
-template <class Options>
-std::vector<OptionInfo> describe_options()
-{
-    std::vector<OptionInfo> infos;
-    Options defaults;
-    visit_options(defaults, [&](const char* name, const auto& value, const char* description) {
-        std::string text = description;
-        if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(value)>>) {
-            text += " (" + accepted_values(value) + ")";
-        }
-        infos.push_back({name, to_text(value), text});
-    });
-    return infos;
-}
-
-// Sets one option by name. The empty string, or what is wrong.
-template <class Options>
-std::string apply_option(Options& options, const OptionValue& setting)
-{
-    bool known = false;
-    std::string problem;
-    std::string names;
-    visit_options(options, [&](const char* name, auto& value, const char*) {
-        names += names.empty() ? "" : ", ";
-        names += name;
-        if (setting.first != name) {
-            return;
-        }
-        known = true;
-        if (!from_text(setting.second, value)) {
-            problem = "option '" + setting.first + "' cannot be '" + setting.second + "': give " +
-                      accepted_values(value);
-        }
-    });
-    if (!known) {
-        problem = "there is no option '" + setting.first + "'; " +
-                  (names.empty() ? "it has none" : "it has " + names);
-    }
-    return problem;
 }
 
 // Whether these options count in time rather than in frames and triangles.
@@ -162,11 +54,8 @@ Result<std::unique_ptr<Culler>> make(const Hierarchy& hierarchy,
                                      [[maybe_unused]] SecondsClock clock)
 {
     Options options;
-    for (const OptionValue& value : values) {
-        std::string problem = apply_option(options, value);
-        if (!problem.empty()) {
-            return Error{ErrorCode::invalid_argument, std::move(problem)};
-        }
+    if (std::string problem = apply_options(options, values); !problem.empty()) {
+        return Error{ErrorCode::invalid_argument, std::move(problem)};
     }
     if constexpr (std::is_same_v<Options, NoOptions>) {
         return std::unique_ptr<Culler>{std::make_unique<CullerType>(hierarchy)};

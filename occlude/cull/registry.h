@@ -2,6 +2,7 @@
 // `--set` are made of.
 #pragma once
 
+#include <occlude/core/option_text.h>
 #include <occlude/core/result.h>
 #include <occlude/cull/clock.h>
 #include <occlude/cull/culler.h>
@@ -15,20 +16,12 @@
 
 namespace occlude {
 
-struct OptionInfo {
-    std::string name;
-    std::string default_value;
-    std::string description;
-};
-
 /// What an algorithm needs beyond drawing and testing.
 struct Needs {
     bool queries = false;     ///< asks the device tests
     bool depth_read = false;  ///< reads the depth buffer
     bool visible_set = false; ///< must be told the answer beforehand (`opt`, `ideal`)
 };
-
-using OptionValue = std::pair<std::string, std::string>;
 
 struct AlgorithmInfo {
     std::string name;

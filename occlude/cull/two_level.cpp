@@ -40,6 +40,34 @@ float inverse_stretch(const glm::mat4& map)
     return std::isfinite(stretch) ? stretch : 0.0f;
 }
 
+// Groups of at most so many are tested node by node if something in them is visible.
+constexpr uint32_t kMostSingly = 3;
+// A group is more likely to stay hidden than not: then each halving settles about one node of it.
+constexpr double kLeastKeep = 0.5;
+
+// How many nodes from the front of `keep` (descending) one test should take: greedy, as long as it
+// answers more nodes per expected test. A group that fails is halved again and again, which takes
+// two tests per halving if one node of it is visible.
+size_t best_group_size(std::span<const double> keep)
+{
+    double all_keep = keep.front();
+    double best = 1.0;
+    size_t size = 1;
+    while (size < keep.size()) {
+        const double all = all_keep * keep[size];
+        const auto count = static_cast<double>(size + 1);
+        const double if_failed = size + 1 <= kMostSingly ? count : 2.0 * std::log2(count);
+        const double value = count / (1.0 + (1.0 - all) * if_failed);
+        if (all < kLeastKeep || value < best) {
+            break;
+        }
+        best = value;
+        all_keep = all;
+        ++size;
+    }
+    return size;
+}
+
 } // namespace
 
 TwoLevel::TwoLevel(const Hierarchy& hierarchy, TwoLevelCullOptions options)
@@ -98,73 +126,23 @@ const TwoLevel::ObjectView& TwoLevel::object_view(CullFrame& frame, uint32_t obj
 // --- the list of active nodes
 // ------------------------------------------------------------------------
 
-// A new entry behind `after`; at the head for kEnd.
-uint32_t TwoLevel::insert_after(uint32_t after, NodeId node, PlaneMask mask)
+bool TwoLevel::is_nearer(uint32_t a, uint32_t b) const
 {
-    uint32_t at = free_;
-    if (at == kEnd) {
-        at = static_cast<uint32_t>(active_.size());
-        active_.emplace_back();
-    } else {
-        free_ = active_[at].next;
-    }
-    Active& entry = active_[at];
-    entry.node = node;
-    entry.mask = mask;
-    entry.stage = Stage::fresh;
-    entry.previous = after;
-    entry.next = after == kEnd ? head_ : active_[after].next;
-    (after == kEnd ? head_ : active_[after].next) = at;
-    if (entry.next != kEnd) {
-        active_[entry.next].previous = at;
-    }
-    return at;
+    const Active& one = active_[a];
+    const Active& other = active_[b];
+    return one.distance != other.distance ? one.distance < other.distance : one.node < other.node;
 }
 
-void TwoLevel::erase(uint32_t at)
+void TwoLevel::insert(CullFrame& frame, NodeId node, NodeId parent, PlaneMask mask)
 {
-    Active& entry = active_[at];
-    (entry.previous == kEnd ? head_ : active_[entry.previous].next) = entry.next;
-    if (entry.next != kEnd) {
-        active_[entry.next].previous = entry.previous;
-    }
-    entry.next = free_;
-    free_ = at;
-}
-
-// The child nearest to the camera, then the node's objects by the distance of their middles, then
-// the other children, near to far.
-void TwoLevel::insert_children(CullFrame& frame, uint32_t after, NodeId node, PlaneMask mask)
-{
-    const TwoLevelNodes& info = hierarchy().two_level();
-    const Node& n = hierarchy().node(node);
-    const auto is_object = [&](uint32_t id) {
-        return !info.empty() && info.object[id] != TwoLevelNodes::kScene;
-    };
-    const bool below_scene = !is_object(node.value);
-    children_.clear();
-    for (uint32_t i = 0; i < n.child_count; ++i) {
-        const uint32_t id = n.first_child.value + i;
-        const Aabb& box = hierarchy().node(NodeId{id}).box;
-        const bool object = below_scene && is_object(id);
-        const Aabb at = object && box.is_bounded() ? Aabb{box.center(), box.center()} : box;
-        children_.push_back({object, frame.view().distance_key(at), NodeId{id}});
-    }
-    std::sort(children_.begin(), children_.end(), [](const Child& a, const Child& b) {
-        if (a.is_object != b.is_object) {
-            return b.is_object; // halves first
-        }
-        return a.distance != b.distance ? a.distance < b.distance : a.node < b.node;
-    });
-    // From the near half to behind the objects: all other halves.
-    const auto objects = std::partition_point(children_.begin(), children_.end(),
-                                              [](const Child& c) { return !c.is_object; });
-    if (objects != children_.begin() && objects != children_.end()) {
-        std::rotate(children_.begin() + 1, objects, children_.end());
-    }
-    for (const Child& child : children_) {
-        after = insert_after(after, child.node, mask);
-    }
+    Active& active = active_.emplace_back();
+    active.node = node;
+    active.parent = parent;
+    active.mask = mask;
+    active.distance = frame.view().distance_key(hierarchy().node(node).box);
+    fresh_.push_back(static_cast<uint32_t>(active_.size() - 1));
+    std::push_heap(fresh_.begin(), fresh_.end(),
+                   [this](uint32_t a, uint32_t b) { return is_nearer(b, a); });
 }
 
 // --- visibility
@@ -234,7 +212,8 @@ TwoLevel::FirstResult TwoLevel::first_visibility_test(CullFrame& frame, Active& 
         state.frames_hidden = 0;
         state.visible = false;
     }
-    if (state.visible && frame.stamp() < state.next_test) {
+    const bool child_seen = options_.pull_up && state.child_seen + 1 == frame.stamp();
+    if (state.visible && (child_seen || frame.stamp() < state.next_test)) {
         if_visible = Decision::drawn;
         return FirstResult::visible;
     }
@@ -273,14 +252,20 @@ bool TwoLevel::overlaps_pending(const Active& active) const
 void TwoLevel::process_visible_node(CullFrame& frame, uint32_t at, Decision decision)
 {
     const NodeId node = active_[at].node;
+    const NodeId parent = active_[at].parent;
     const PlaneMask mask = active_[at].mask;
+    if (parent.valid()) {
+        state_of(parent).child_seen = frame.stamp();
+    }
     if (hierarchy().is_leaf(node)) {
         frame.draw_leaf(node, mask, decision);
-    } else {
-        frame.draw_own(node, mask, decision);
-        insert_children(frame, at, node, mask);
+        return;
     }
-    erase(at);
+    frame.draw_own(node, mask, decision);
+    const Node& n = hierarchy().node(node);
+    for (uint32_t i = 0; i < n.child_count; ++i) {
+        insert(frame, NodeId{n.first_child.value + i}, node, mask);
+    }
 }
 
 void TwoLevel::handle_result(CullFrame& frame, uint32_t at, bool visible, Decision if_hidden)
@@ -300,18 +285,23 @@ void TwoLevel::handle_result(CullFrame& frame, uint32_t at, bool visible, Decisi
     } else {
         ++state.frames_hidden;
         frame.decide(node, if_hidden);
-        erase(at);
     }
 }
 
-// A group of which something is visible says nothing of its nodes: each is tested by itself.
+// A group of which something is visible says nothing of its nodes: its halves are tested, or they
+// are, each by itself.
 void TwoLevel::handle_test(CullFrame& frame, const PendingTest& test, const Answer& answer)
 {
     const bool visible = is_visible(answer, options_.threshold);
     if (test.count > 1 && visible) {
         ++frame.counters().multiqueries_failed;
-        for (uint32_t i = test.first; i < test.first + test.count; ++i) {
-            active_[tested_[i]].stage = Stage::needs_query;
+        if (test.count <= kMostSingly) {
+            const auto first = tested_.begin() + test.first;
+            waiting_.insert(waiting_.end(), first, first + test.count);
+        } else {
+            const uint32_t half = test.count / 2;
+            halves_.push_back({Ticket{}, test.first, half});
+            halves_.push_back({Ticket{}, test.first + half, test.count - half});
         }
         return;
     }
@@ -324,15 +314,14 @@ void TwoLevel::handle_test(CullFrame& frame, const PendingTest& test, const Answ
 // --- issuing
 // -----------------------------------------------------------------------------------------
 
-// Collects one test over all of `entries`.
+// Collects one test over all of `entries`, which are none of tested_.
 void TwoLevel::add_test(std::span<const uint32_t> entries)
 {
     collected_.push_back(
         {Ticket{}, static_cast<uint32_t>(tested_.size()), static_cast<uint32_t>(entries.size())});
+    tested_.insert(tested_.end(), entries.begin(), entries.end());
     for (const uint32_t at : entries) {
-        Active& active = active_[at];
-        active.stage = Stage::pending;
-        tested_.push_back(at);
+        const Active& active = active_[at];
         if (active.world_from_box != nullptr) {
             batch_.add_box(active.box, *active.world_from_box, active.node);
         } else {
@@ -359,33 +348,44 @@ void TwoLevel::submit(CullFrame& frame)
     collected_.clear();
 }
 
+// The halves of groups in which something is visible.
+void TwoLevel::issue_halves(CullFrame& frame)
+{
+    while (!halves_.empty() && pending_.size() < pending_limit(frame)) {
+        const PendingTest half = halves_.back();
+        halves_.pop_back();
+        const auto first = tested_.begin() + half.first;
+        ordered_.assign(first, first + half.count);
+        add_test(ordered_);
+    }
+    submit(frame);
+}
+
 // Only nodes that stayed hidden are left, and all that is known to be visible is drawn: tests them
 // in groups of those that are likely to stay hidden together.
 void TwoLevel::issue_deferred(CullFrame& frame)
 {
-    deferred_.clear();
-    for (uint32_t at = head_; at != kEnd; at = active_[at].next) {
-        const uint32_t frames_hidden = state_of(active_[at].node).frames_hidden;
-        deferred_.push_back({keep_table_.keep_probability(frames_hidden), at,
-                             static_cast<uint32_t>(deferred_.size())});
+    for (Deferred& deferred : deferred_) {
+        const uint32_t frames_hidden = state_of(active_[deferred.at].node).frames_hidden;
+        deferred.keep = keep_table_.keep_probability(frames_hidden);
     }
     // Descending: the greedy choice of a group relies on it.
-    std::sort(deferred_.begin(), deferred_.end(), [](const Deferred& a, const Deferred& b) {
-        return a.keep != b.keep ? a.keep > b.keep : a.order < b.order;
+    std::sort(deferred_.begin(), deferred_.end(), [this](const Deferred& a, const Deferred& b) {
+        return a.keep != b.keep ? a.keep > b.keep : is_nearer(a.at, b.at);
     });
     keep_.clear();
+    ordered_.clear();
     for (const Deferred& deferred : deferred_) {
         keep_.push_back(deferred.keep);
+        ordered_.push_back(deferred.at);
     }
-    for (size_t done = 0; done < keep_.size() && pending_.size() < pending_limit(frame);) {
-        const size_t size = best_multiquery_size(std::span<const double>{keep_}.subspan(done));
-        group_.clear();
-        for (size_t i = done; i < done + size; ++i) {
-            group_.push_back(deferred_[i].entry);
-        }
-        add_test(group_);
+    size_t done = 0;
+    while (done < deferred_.size() && pending_.size() < pending_limit(frame)) {
+        const size_t size = best_group_size(std::span<const double>{keep_}.subspan(done));
+        add_test(std::span<const uint32_t>{ordered_}.subspan(done, size));
         done += size;
     }
+    deferred_.erase(deferred_.begin(), deferred_.begin() + static_cast<std::ptrdiff_t>(done));
     submit(frame);
 }
 
@@ -428,50 +428,65 @@ void TwoLevel::finish_queries(CullFrame& frame)
     poll_pending(frame);
 }
 
-// The node has been reached: draws and opens it, drops it, or says how it is to be tested. False if
-// it is gone from the list.
-bool TwoLevel::reach(CullFrame& frame, uint32_t at)
+// Reaches nodes near to far until none is left that was not: draws and opens it, drops it, or says
+// how it is to be tested.
+void TwoLevel::reach_fresh(CullFrame& frame)
 {
-    Decision decision = Decision::drawn;
-    switch (first_visibility_test(frame, active_[at], decision)) {
-    case FirstResult::invisible:
-        erase(at);
-        return false;
-    case FirstResult::visible:
-        process_visible_node(frame, at, decision);
-        return false;
-    case FirstResult::needs_query:
-        break;
+    const auto farther = [this](uint32_t a, uint32_t b) { return is_nearer(b, a); };
+    while (!fresh_.empty()) {
+        std::pop_heap(fresh_.begin(), fresh_.end(), farther);
+        const uint32_t at = fresh_.back();
+        fresh_.pop_back();
+        Decision decision = Decision::drawn;
+        switch (first_visibility_test(frame, active_[at], decision)) {
+        case FirstResult::invisible:
+            break;
+        case FirstResult::visible:
+            process_visible_node(frame, at, decision);
+            break;
+        case FirstResult::needs_query: {
+            const bool stayed_hidden = state_of(active_[at].node).frames_hidden > 0;
+            if (options_.multiqueries && stayed_hidden) {
+                deferred_.push_back({at});
+            } else {
+                waiting_.push_back(at);
+            }
+            break;
+        }
+        }
     }
-    const bool stayed_hidden = state_of(active_[at].node).frames_hidden > 0;
-    active_[at].stage =
-        options_.multiqueries && stayed_hidden ? Stage::deferred : Stage::needs_query;
-    return true;
+}
+
+// Tests the nodes whose boxes are apart on the screen, the nearer first.
+void TwoLevel::issue_waiting(CullFrame& frame)
+{
+    std::sort(waiting_.begin(), waiting_.end(),
+              [this](uint32_t a, uint32_t b) { return is_nearer(a, b); });
+    size_t left = 0;
+    for (const uint32_t at : waiting_) {
+        const bool full = pending_.size() >= pending_limit(frame); // maximum queries reached
+        if (full || overlaps_pending(active_[at])) {
+            waiting_[left++] = at;
+        } else {
+            add_test({&at, 1});
+        }
+    }
+    waiting_.resize(left);
+    submit(frame);
 }
 
 // Second loop: as many nodes as possible at once. False once the list is empty.
 bool TwoLevel::process_active(CullFrame& frame)
 {
-    const auto next_of = [&](uint32_t at) { return at == kEnd ? head_ : active_[at].next; };
-    uint32_t previous = kEnd; // of the node in hand; children take its place
-    while (next_of(previous) != kEnd) {
-        const uint32_t at = next_of(previous);
-        if (active_[at].stage == Stage::fresh && !reach(frame, at)) {
-            continue;
-        }
-        if (active_[at].stage == Stage::needs_query && !overlaps_pending(active_[at])) {
-            if (pending_.size() >= pending_limit(frame)) {
-                break; // maximum queries reached
-            }
-            add_test({&at, 1});
-        }
-        previous = at;
+    reach_fresh(frame);
+    issue_waiting(frame);
+    if (pending_.empty() && !halves_.empty()) {
+        issue_halves(frame);
     }
-    submit(frame);
-    if (pending_.empty() && head_ != kEnd) {
+    if (pending_.empty() && !deferred_.empty()) {
         issue_deferred(frame);
     }
-    return head_ != kEnd;
+    return !pending_.empty();
 }
 
 void TwoLevel::cull_frame(CullFrame& frame)
@@ -479,8 +494,9 @@ void TwoLevel::cull_frame(CullFrame& frame)
     const TwoLevelNodes& info = hierarchy().two_level();
     states_.resize(info.empty() ? hierarchy().nodes().size() : info.key_count);
     object_views_.resize(info.frames.size());
+    active_.clear();
     tested_.clear();
-    insert_after(kEnd, hierarchy().root(), Frustum::kAllPlanes);
+    insert(frame, hierarchy().root(), NodeId{}, Frustum::kAllPlanes);
     while (process_active(frame)) {
         finish_queries(frame);
     }

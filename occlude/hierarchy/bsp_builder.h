@@ -13,7 +13,9 @@
 
 #include <occlude/hierarchy/hierarchy.h>
 
+#include <array>
 #include <span>
+#include <string_view>
 
 namespace occlude {
 
@@ -37,5 +39,19 @@ struct BspOptions {
 /// first. Where no plane parts anything, a leaf keeps all its items. Empty and unbounded boxes are
 /// allowed: they are items of the root, above all planes.
 Hierarchy build_bsp(std::span<const ItemBounds> items, const BspOptions& options = {});
+
+/// Names of the options; see core/option_text.h.
+constexpr std::array<std::string_view, 3> option_names(BspOptions::Split)
+{
+    return {"cost", "middle", "median"};
+}
+template <class Visit>
+void visit_options(BspOptions& o, Visit&& visit)
+{
+    visit("split", o.split, "where the plane of a node goes");
+    visit("max_leaf_items", o.max_leaf_items, "a node of at most so many items is not split");
+    visit("max_depth", o.max_depth, "a node so far below the root is not split; at most 64");
+    visit("leaf_triangles", o.leaf_triangles, "nodes of at most so many become leaves; 0: none");
+}
 
 } // namespace occlude

@@ -17,7 +17,7 @@ namespace occlude {
 
 struct BvhOptions {
     /// A node of at most this many items is not split further. 0 counts as 1.
-    uint32_t max_leaf_items = 1;
+    uint32_t max_leaf_items = 4;
     /// ... unless it holds several and they have more triangles than this together.
     uint32_t max_leaf_triangles = 64;
     /// Nodes with at most this many triangles become virtual leaves. The measured default; see
@@ -35,5 +35,15 @@ struct BvhOptions {
 /// another, whose box is empty: it is outside of every frustum, so that they are never drawn. Then
 /// the root has up to three children and never is a virtual leaf.
 Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options = {});
+
+/// Names of the options; see core/option_text.h.
+template <class Visit>
+void visit_options(BvhOptions& o, Visit&& visit)
+{
+    visit("max_leaf_items", o.max_leaf_items, "a node of at most so many items is not split");
+    visit("max_leaf_triangles", o.max_leaf_triangles, "... unless they have more triangles");
+    visit("leaf_triangles", o.leaf_triangles, "nodes of at most so many become leaves; 0: none");
+    visit("bins", o.bins, "planes tried per axis, plus one: 2 to 32");
+}
 
 } // namespace occlude

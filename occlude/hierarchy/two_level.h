@@ -60,7 +60,7 @@ struct TwoLevelOptions {
     /// A scene node of at most this many objects is not split further.
     uint32_t leaf_objects = 1;
     /// Nodes of either level with at most this many triangles become virtual leaves; 0: none do.
-    uint32_t leaf_triangles = 4096;
+    uint32_t leaf_triangles = 1024;
     /// Every this many updates, the subtree of the scene tree that needs it most is rebuilt.
     uint32_t rebuild_period = 4;
     /// A subtree needs it when the links changed in it since it was built are more than this share
@@ -192,5 +192,20 @@ private:
 /// The two-level tree of objects of one item each that stand still, for where nobody knows of
 /// objects.
 Hierarchy build_two_level(std::span<const ItemBounds> items, const TwoLevelOptions& options = {});
+
+/// Names of the options; see core/option_text.h.
+template <class Visit>
+void visit_options(TwoLevelOptions& o, Visit&& visit)
+{
+    visit("complex_triangles", o.complex_triangles,
+          "an object of one item gets a node of its own from so many triangles on");
+    visit("leaf_objects", o.leaf_objects, "a scene node of at most so many objects is not split");
+    visit("leaf_triangles", o.leaf_triangles, "nodes of at most so many become leaves; 0: none");
+    visit("rebuild_period", o.rebuild_period, "updates from one rebuilt subtree to the next");
+    visit("rebuild_share", o.rebuild_share,
+          "a subtree is rebuilt when more links changed in it than this share of its objects");
+    visit("quiet_frames", o.quiet_frames,
+          "updates without motion after which a node's box is tight again; 0: it always is");
+}
 
 } // namespace occlude

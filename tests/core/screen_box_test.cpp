@@ -99,7 +99,12 @@ TEST(ScreenBox, NothingInABoxIsNearerThanItSays)
                 const double at_pixel = screen_box.nearest_over(pixel, pixel);
                 EXPECT_LE(at_pixel, p.z) << projection.name;
                 const glm::ivec2 more{rng.below(9), rng.below(9)};
-                EXPECT_LE(screen_box.nearest_over(pixel - more, pixel + more), at_pixel);
+                const double at_block = screen_box.nearest_over(pixel - more, pixel + more);
+                EXPECT_LE(at_block, at_pixel);
+                for (const double depth : {at_pixel - 1e-4, at_block, p.z}) {
+                    EXPECT_EQ(screen_box.beyond(depth, pixel - more, pixel + more),
+                              depth < at_block);
+                }
                 tighter += at_pixel > double{bounds.near_depth} + 1e-6 ? 1 : 0;
             }
         }
@@ -112,6 +117,7 @@ TEST(ScreenBox, OfWhatReachesTheEyeNothingIsKnown)
 {
     const ScreenBox around{ScreenSpace{down_z()}, {glm::vec3{-5.0f}, glm::vec3{5.0f}}};
     EXPECT_EQ(around.nearest_over({50, 50}, {50, 50}), -kInfinity);
+    EXPECT_FALSE(around.beyond(0.0, {50, 50}, {50, 50}));
 }
 
 } // namespace

@@ -28,6 +28,19 @@ TEST(BatchAndWait, TestsNObjectsAndThenReadsNResults)
     EXPECT_EQ(to_string(report.guarantee), "exact");
 }
 
+TEST(BatchAndWait, ADepthOnlyPassIsTestedAgainstAndWhatWasDrawnIsShadedOnceInTheEnd)
+{
+    const Hierarchy tree = row_tree(2);
+    ScriptedDevice device({.boxes = visible_subjects({NodeId{3u}, NodeId{5u}})});
+    BatchAndWait culler{tree, {.batch_size = 3, .depth_only_pass = true}};
+    culler.cull(look_ahead(), device);
+    EXPECT_EQ(device.frame_text(0), "query [3] [4] [5]\nflush\n"
+                                    "wait 3 -> 1000\nwait 4 -> 0\nwait 5 -> 1000\n"
+                                    "draw depth_only 0 2\n"
+                                    "query [6]\nflush\nwait 6 -> 0\n"
+                                    "draw shade_equal 0 2\n");
+}
+
 TEST(BatchAndWait, WhatIsLargeOnTheScreenIsDrawnFirstUntested)
 {
     const Hierarchy tree = row_tree(2);

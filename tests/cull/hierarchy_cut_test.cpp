@@ -18,6 +18,8 @@ HierarchyCut::Entry entry(uint32_t node, State state)
     return e;
 }
 
+const auto every = [](NodeId) { return true; };
+
 std::set<uint32_t> nodes_of(const HierarchyCut& cut)
 {
     std::set<uint32_t> nodes;
@@ -47,7 +49,7 @@ TEST(HierarchyCut, SiblingsThatAreAllHiddenOrOutsideMayBecomeTheirParent)
     cut.keep(entry(4, State::hidden));
     cut.keep(entry(5, State::outside));
     int asked = 0;
-    cut.finish(tree, [&](NodeId node, bool all_outside, HierarchyCut::Entry& replacement) {
+    cut.finish(tree, every, [&](NodeId node, bool all_outside, HierarchyCut::Entry& replacement) {
         ++asked;
         EXPECT_EQ(node, NodeId{2u}); // node 1 has a visible child
         EXPECT_FALSE(all_outside);
@@ -68,7 +70,7 @@ TEST(HierarchyCut, WhatIsNotMergedStays)
         cut.keep(entry(5, State::outside));
         cut.keep(entry(6, State::outside));
         bool all = false;
-        cut.finish(tree, [&](NodeId, bool all_outside, HierarchyCut::Entry&) {
+        cut.finish(tree, every, [&](NodeId, bool all_outside, HierarchyCut::Entry&) {
             all = all_outside;
             return false;
         });
@@ -97,18 +99,46 @@ TEST(HierarchyCut, TheOwnItemsOfANodeCountAmongItsParts)
     cut.keep(entry(1, State::hidden));
     cut.keep(entry(2, State::hidden));
     HierarchyCut::Entry own = entry(0, State::visible);
-    own.scope = HierarchyCut::Scope::own_items;
+    own.place = 0;
     cut.keep(own);
     const auto merge_all = [](NodeId, bool, HierarchyCut::Entry&) { return true; };
-    cut.finish(tree, merge_all);
+    cut.finish(tree, every, merge_all);
     EXPECT_EQ(cut.entries().size(), 3u); // the own item is still seen
     for (HierarchyCut::Entry e : std::vector(cut.entries().begin(), cut.entries().end())) {
         e.state = State::hidden;
         cut.keep(e);
     }
-    cut.finish(tree, merge_all);
+    cut.finish(tree, every, merge_all);
     ASSERT_EQ(cut.entries().size(), 1u);
-    EXPECT_EQ(cut.entries()[0].scope, HierarchyCut::Scope::subtree);
+    EXPECT_FALSE(cut.entries()[0].is_item());
+}
+
+TEST(HierarchyCut, OnlyChosenNodesAreAsked)
+{
+    const Hierarchy tree = test::row_tree(2);
+    HierarchyCut cut;
+    cut.reset(tree);
+    for (uint32_t node = 3; node < 7; ++node) {
+        cut.keep(entry(node, State::hidden));
+    }
+    cut.finish(
+        tree, [](NodeId node) { return node == NodeId{1u}; },
+        [](NodeId, bool, HierarchyCut::Entry&) { return true; });
+    EXPECT_EQ(nodes_of(cut), (std::set<uint32_t>{1, 5, 6}));
+}
+
+// More parents than a small table holds apart by luck.
+TEST(HierarchyCut, ManyNodesCloseAtOnce)
+{
+    const Hierarchy tree = test::row_tree(8); // 256 leaves
+    HierarchyCut cut;
+    cut.reset(tree);
+    for (uint32_t node = 255; node < 511; ++node) {
+        cut.keep(entry(node, node == 300 ? State::visible : State::hidden));
+    }
+    const auto merge_all = [](NodeId, bool, HierarchyCut::Entry&) { return true; };
+    cut.finish(tree, every, merge_all);
+    EXPECT_EQ(cut.entries().size(), 127u + 2u);
 }
 
 } // namespace

@@ -248,7 +248,7 @@ TEST(LazyGrid, TwoListsTestABoxBeforeWhatIsNotWhollyInFrontOfItIsDrawn)
     // Item 0 reaches from before item 1 to behind it.
     const std::vector<ItemBounds> items{{{{-4, -1, -30}, {-2, 1, -9}}, 1},
                                         {{{-1, -1, -14}, {4, 1, -12}}, 1}};
-    const Hierarchy tree = build_bvh(items, {.leaf_triangles = 1});
+    const Hierarchy tree = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 1});
     const auto text = [&](const LazyGridOptions& options) {
         ScriptedDevice device;
         device.script() = item_0_covers(device, kAll);

@@ -64,7 +64,7 @@ TEST(TwoLevel, BoxesBesideEachOtherAreTestedTogether)
         const glm::vec3 center{4.0f * static_cast<float>(i) - 6.0f, 0.0f, -10.0f};
         items.push_back({{center - 1.0f, center + 1.0f}, 10});
     }
-    const Hierarchy tree = build_bvh(items, {.leaf_triangles = 0});
+    const Hierarchy tree = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 0});
     ScriptedDevice device;
     TwoLevel culler{tree};
     const FrameReport report = culler.cull(look_ahead(), device);
@@ -80,7 +80,7 @@ TEST(TwoLevel, AtMostSoManyTestsArePending)
         const glm::vec3 center{2.5f * static_cast<float>(i) - 9.0f, 0.0f, -12.0f};
         items.push_back({{center - 1.0f, center + 1.0f}, 10});
     }
-    const Hierarchy tree = build_bvh(items, {.leaf_triangles = 0});
+    const Hierarchy tree = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 0});
     ScriptedDevice device({.latency = [](uint64_t) { return Latency::never(); }});
     TwoLevel culler{tree, {.disjoint = false, .max_pending = 3}};
     culler.cull(look_ahead(), device);
@@ -128,10 +128,10 @@ Hierarchy side_by_side()
         const glm::vec3 center{3.0f * static_cast<float>(i) - 7.5f, 0.0f, -10.0f};
         items.push_back({{center - 1.0f, center + 1.0f}, 10});
     }
-    return build_bvh(items, {.leaf_triangles = 0});
+    return build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 0});
 }
 
-TEST(TwoLevel, LongHiddenNodesShareOneTestAndAreTestedAloneIfItFails)
+TEST(TwoLevel, LongHiddenNodesShareOneTestWhichIsHalvedIfItFails)
 {
     const Hierarchy tree = side_by_side();
     uint64_t frame = 0;
@@ -161,9 +161,58 @@ TEST(TwoLevel, LongHiddenNodesShareOneTestAndAreTestedAloneIfItFails)
     EXPECT_EQ(report.counters.boxes, 5u);
     seen[4] = true;
     report = culler.cull(look_ahead(), device);
-    EXPECT_EQ(report.counters.multiqueries_failed, 1u);
-    EXPECT_GE(report.counters.queries, 6u);
+    // Five fail, then two are hidden and three fail, which are tested one by one.
+    EXPECT_EQ(report.counters.multiqueries_failed, 2u);
+    EXPECT_GE(report.counters.queries, 1u + 2u + 3u);
     EXPECT_EQ(culler.drawn_items().size(), 2u);
+}
+
+TEST(TwoLevel, AnInnerNodeIsTestedAgainOnlyWhenAllItsChildrenAreHidden)
+{
+    const Hierarchy tree = side_by_side();
+    bool leaves_seen = true;
+    ScriptedDevice device({.boxes = [&](std::span<const QueryBox> boxes) {
+        return uint64_t{leaves_seen || !tree.is_leaf(boxes[0].subject) ? 1u : 0u};
+    }});
+    TwoLevel culler{tree, {.max_postponed = 0, .multiqueries = false}};
+    EXPECT_EQ(culler.cull(look_ahead(), device).counters.queries, 11u); // 6 leaves, 5 inner nodes
+    EXPECT_EQ(culler.cull(look_ahead(), device).counters.queries, 6u);
+    leaves_seen = false;
+    EXPECT_EQ(culler.cull(look_ahead(), device).counters.queries, 6u);
+    // The inner nodes above leaves: their boxes are visible, so that the leaves are tested, too.
+    const uint64_t queries = culler.cull(look_ahead(), device).counters.queries;
+    EXPECT_GT(queries, 6u);
+    EXPECT_LT(queries, 11u); // those above are known to be visible by them
+    leaves_seen = true;
+    culler.cull(look_ahead(), device);
+    EXPECT_EQ(culler.cull(look_ahead(), device).counters.queries, 6u);
+}
+
+TEST(TwoLevel, PartsOfDifferentObjectsAreReachedByTheirDistance)
+{
+    // Two long objects side by side, in four parts each: no part of one is behind all of the other.
+    TwoLevelTree tree({.leaf_triangles = 0});
+    std::vector<ItemBounds> bounds;
+    for (int object = 0; object < 2; ++object) {
+        std::vector<Aabb> parts;
+        for (int part = 0; part < 4; ++part) {
+            const float z = -10.0f - 4.0f * static_cast<float>(part) - static_cast<float>(object);
+            const float x = object == 0 ? -2.0f : 1.0f;
+            parts.push_back({{x, -1, z - 3}, {x + 1, 1, z}});
+            bounds.push_back({parts.back(), 100});
+        }
+        tree.add({.first_item = ItemId{static_cast<uint32_t>(4 * object)}, .local_boxes = parts});
+    }
+    tree.update(bounds);
+    ScriptedDevice device;
+    TwoLevel culler{tree.hierarchy()};
+    culler.cull(look_ahead(), device); // tests all; from now on all is visible
+    culler.cull(look_ahead(), device);
+    std::vector<uint32_t> order;
+    for (const ItemId item : culler.drawn_items()) {
+        order.push_back(item.value);
+    }
+    EXPECT_EQ(order, (std::vector<uint32_t>{0, 4, 1, 5, 2, 6, 3, 7}));
 }
 
 TEST(TwoLevel, WithoutMultiqueriesEachHiddenNodeIsTestedByItself)
@@ -185,7 +234,7 @@ TEST(TwoLevel, WithoutPostponingItAsksWhatStopAndWaitAsks)
     const Hierarchy tree = test::random_bvh(400, 4);
     ScriptedDevice one;
     ScriptedDevice other;
-    TwoLevel culler{tree, {.max_postponed = 0, .multiqueries = false}};
+    TwoLevel culler{tree, {.max_postponed = 0, .pull_up = false, .multiqueries = false}};
     auto reference = make_culler("stop_and_wait", tree);
     for (int frame = 0; frame < 4; ++frame) {
         const View view = look({0, 0, 90.0f - static_cast<float>(frame)}, {0, 0, 0});
@@ -202,7 +251,7 @@ TEST(TwoLevel, SpreadingShortensAPostponementByAtMostAHalf)
     uint64_t most_even = 0;
     for (const bool spread : {true, false}) {
         ScriptedDevice device;
-        TwoLevel culler{tree, {.spread = spread}};
+        TwoLevel culler{tree, {.pull_up = false, .spread = spread}};
         for (int frame = 0; frame < 60; ++frame) {
             const uint64_t queries = culler.cull(view, device).counters.queries;
             uint64_t& most = spread ? most_spread : most_even;

@@ -41,8 +41,8 @@ TEST(TwoPhase, ColdStartDrawsEverythingThenKeepsWhatItsOwnDepthShows)
         culler.cull(look_ahead(), device);
     }
     EXPECT_EQ(device.frame_text(0), "draw 0 1 2 3\n"); // nothing drawn yet: no depth to read
-    EXPECT_EQ(device.frame_text(1), "draw 0 1 2 3\nread_depth 0 0 64x64\n");
-    EXPECT_EQ(device.frame_text(2), "draw 0\nread_depth 0 0 64x64\n");
+    EXPECT_EQ(device.frame_text(1), "draw 0 1 2 3\nflush\nread_depth 0 0 64x64\n");
+    EXPECT_EQ(device.frame_text(2), "draw 0\nflush\nread_depth 0 0 64x64\n");
     EXPECT_TRUE(culler.visible(NodeId{3u}));
     EXPECT_FALSE(culler.visible(NodeId{4u}));
     EXPECT_FALSE(culler.visible(NodeId{2u}));
@@ -62,26 +62,54 @@ TEST(TwoPhase, PhaseTwoDrawsWhatTheDepthOfPhaseOneReveals)
     }
     depth = kBeyondItem1;
     culler.cull(look_ahead(), device);
-    EXPECT_EQ(device.frame_text(3), "draw 0\nread_depth 0 0 64x64\ndraw 1\n");
+    EXPECT_EQ(device.frame_text(3), "draw 0\nflush\nread_depth 0 0 64x64\ndraw 1\n");
     culler.cull(look_ahead(), device);
-    EXPECT_EQ(device.frame_text(4), "draw 0 1\nread_depth 0 0 64x64\n");
+    EXPECT_EQ(device.frame_text(4), "draw 0 1\nflush\nread_depth 0 0 64x64\n");
 }
 
-TEST(TwoPhase, AHiddenSubtreeIsTestedOnce)
+TEST(TwoPhase, HiddenSiblingsBecomeOneEntryThatIsTestedOnce)
 {
     const Hierarchy tree = row_tree(4); // 16 leaves
     float depth = kBeyondItem0;
     ScriptedDevice device(depth_everywhere(depth));
     TwoPhase culler{tree};
-    for (int frame = 0; frame < 2; ++frame) {
+    for (int frame = 0; frame < 40; ++frame) {
         culler.cull(look_ahead(), device);
     }
     const FrameReport report = culler.cull(look_ahead(), device);
-    // The path to the first leaf, and the sibling of each of its nodes.
-    EXPECT_EQ(report.counters.nodes_visited, 9u);
+    // The first leaf, and the sibling of each node on the path to it.
+    EXPECT_EQ(report.counters.nodes_visited, 5u);
+    EXPECT_EQ(culler.cut().entries().size(), 5u);
     EXPECT_EQ(report.counters.queries, 0u);
     EXPECT_EQ(report.counters.depth_reads, 1u);
     EXPECT_EQ(report.counters.pixels_read, 64u * 64u);
+}
+
+// One leaf of three items, of which the first hides the others.
+TEST(TwoPhase, TheItemsOfALeafAreTestedOneByOne)
+{
+    std::vector<Node> nodes(1);
+    nodes[0].own_items = 3;
+    std::vector<ItemBounds> bounds;
+    for (const float z : {-10.0f, -20.0f, -30.0f}) {
+        const glm::vec3 center{0.0f, 0.0f, z};
+        bounds.push_back({{center - 1.0f, center + 1.0f}, 12});
+    }
+    const Hierarchy tree = Hierarchy::from_arrays(
+        std::move(nodes), {ItemId{0u}, ItemId{1u}, ItemId{2u}}, std::move(bounds));
+    float depth = kBeyondItem0;
+    ScriptedDevice device(depth_everywhere(depth));
+    TwoPhase culler{tree};
+    for (int frame = 0; frame < 3; ++frame) {
+        culler.cull(look_ahead(), device);
+    }
+    EXPECT_EQ(device.frame_text(2), "draw 0\nflush\nread_depth 0 0 64x64\n");
+    const std::vector<Decision> expected{Decision::drawn_tested, Decision::hidden,
+                                         Decision::hidden};
+    EXPECT_EQ(culler.decisions().by_item(tree), expected);
+    depth = kBeyondItem1;
+    culler.cull(look_ahead(), device);
+    EXPECT_EQ(device.frame_text(3), "draw 0\nflush\nread_depth 0 0 64x64\ndraw 1\n");
 }
 
 TEST(TwoPhase, AfterACutDepthIsReadAgainBeforeEverythingIsDrawn)
@@ -103,7 +131,7 @@ TEST(TwoPhase, TheFinalDepthDropsWhatPhaseTwoHasHidden)
     culler.cull(look_ahead(), device);
     EXPECT_EQ(device.frame_text(0), "draw 0 1 2 3\nread_depth 0 0 64x64\n");
     culler.cull(look_ahead(), device);
-    EXPECT_EQ(device.frame_text(1), "draw 0\nread_depth 0 0 64x64\nread_depth 0 0 64x64\n");
+    EXPECT_EQ(device.frame_text(1), "draw 0\nflush\nread_depth 0 0 64x64\nread_depth 0 0 64x64\n");
 }
 
 TEST(TwoPhase, VirtualLeavesAreTestedAndDrawnAsOne)
@@ -116,7 +144,7 @@ TEST(TwoPhase, VirtualLeavesAreTestedAndDrawnAsOne)
     for (int frame = 0; frame < 3; ++frame) {
         culler.cull(look_ahead(), device);
     }
-    EXPECT_EQ(device.frame_text(2), "draw 0 1\nread_depth 0 0 64x64\n");
+    EXPECT_EQ(device.frame_text(2), "draw 0 1\nflush\nread_depth 0 0 64x64\n");
 }
 
 TEST(TwoPhase, OneFarPixelBesideTheBoxDecidesOnlyWithoutRefinement)

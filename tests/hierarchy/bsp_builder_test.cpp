@@ -241,9 +241,39 @@ TEST(HierarchyKinds, EveryKindBuildsAValidTreeWithVirtualLeaves)
         EXPECT_EQ(in_inner_nodes > 0, kind.items_in_inner_nodes);
         EXPECT_TRUE(kind.build(items, 1000000).is_leaf(NodeId{0u}));
         EXPECT_TRUE(kind.build({}, 0).empty());
+        EXPECT_FALSE(kind.options().empty());
     }
     EXPECT_EQ(hierarchy_kinds().front().name, "bvh");
     EXPECT_EQ(find_hierarchy_kind("tree"), nullptr);
+}
+
+TEST(HierarchyKinds, OptionsAreSetByNameAndErrorsNameThem)
+{
+    const std::vector<ItemBounds> items = random_items(300, 17);
+    const std::vector<OptionValue> shallow{{"max_depth", "1"}};
+    for (const char* name : {"bsp", "octree", "grid"}) {
+        const HierarchyKind& kind = *find_hierarchy_kind(name);
+        const auto tree = kind.build_with(items, 0, shallow);
+        ASSERT_TRUE(tree) << name;
+        EXPECT_LT(tree->nodes().size(), kind.build(items, 0).nodes().size()) << name;
+        const auto whole =
+            kind.build_with(items, 0, std::vector<OptionValue>{{"leaf_triangles", "1000000"}});
+        EXPECT_TRUE(whole->is_leaf(NodeId{0u})) << name;
+    }
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        const auto wrong = kind.build_with(items, 0, std::vector<OptionValue>{{"colour", "1"}});
+        ASSERT_FALSE(wrong) << kind.name;
+        EXPECT_NE(wrong.error().message.find("'colour'"), std::string::npos);
+        for (const OptionInfo& option : kind.options()) {
+            EXPECT_NE(wrong.error().message.find(option.name), std::string::npos) << kind.name;
+        }
+    }
+    const auto options = two_level_options(
+        7, std::vector<OptionValue>{{"rebuild_share", "0.25"}, {"quiet_frames", "3"}});
+    ASSERT_TRUE(options);
+    EXPECT_EQ(options->leaf_triangles, 7u);
+    EXPECT_EQ(options->rebuild_share, 0.25f);
+    EXPECT_EQ(options->quiet_frames, 3u);
 }
 
 } // namespace

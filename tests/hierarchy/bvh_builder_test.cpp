@@ -17,6 +17,8 @@ using test::kInf;
 using test::kNan;
 using test::random_items;
 
+constexpr BvhOptions kOneEach{.max_leaf_items = 1};
+
 /// What every tree must fulfil, whatever the boxes: all items once, in leaves of the allowed size.
 void expect_good(const Hierarchy& tree, std::span<const ItemBounds> items, uint32_t max_leaf_items)
 {
@@ -115,7 +117,7 @@ TEST(BvhBuilder, NoItemsMakeAnEmptyHierarchy)
 TEST(BvhBuilder, OneItemMakesOneLeaf)
 {
     const std::vector<ItemBounds> items = random_items(1, 1);
-    const Hierarchy tree = build_bvh(items);
+    const Hierarchy tree = build_bvh(items, kOneEach);
     expect_good(tree, items, 1);
     EXPECT_EQ(tree.nodes().size(), 1u);
     EXPECT_EQ(tree.node(tree.root()).box, items[0].box);
@@ -185,7 +187,7 @@ TEST(BvhBuilder, CostIsBelowThatOfMedianSplits)
         for (ItemBounds& item : items) {
             item.triangles = 1;
         }
-        EXPECT_LT(sah_cost(build_bvh(items)), sah_cost(median_tree(items)));
+        EXPECT_LT(sah_cost(build_bvh(items, kOneEach)), sah_cost(median_tree(items)));
     }
 }
 
@@ -197,7 +199,7 @@ TEST(BvhBuilder, SplitsApartWhatIsApart)
         items[i].box.min.y += 1e5f;
         items[i].box.max.y += 1e5f;
     }
-    const Hierarchy tree = build_bvh(items);
+    const Hierarchy tree = build_bvh(items, kOneEach);
     EXPECT_EQ(tree.nodes()[1].subtree_items, 70u);
     EXPECT_EQ(tree.nodes()[2].subtree_items, 30u);
 }
@@ -210,7 +212,7 @@ TEST(BvhBuilder, TheCostOfALeafCountsTrianglesNotItems)
     for (const float x : {0.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f, 9.0f, 10.0f}) {
         items.push_back({{glm::vec3{x, 0.0f, 0.0f}, glm::vec3{x + 0.9f, 1.0f, 1.0f}}, 1});
     }
-    const auto root_split = [&] { return build_bvh(items).nodes()[1].subtree_items; };
+    const auto root_split = [&] { return build_bvh(items, kOneEach).nodes()[1].subtree_items; };
     EXPECT_GT(root_split(), 1u);
     items[0].triangles = 1000000;
     EXPECT_EQ(root_split(), 1u);
@@ -219,7 +221,7 @@ TEST(BvhBuilder, TheCostOfALeafCountsTrianglesNotItems)
 TEST(BvhBuilder, IdenticalBoxesMakeABalancedTree)
 {
     const std::vector<ItemBounds> items(5000, random_items(1, 7)[0]);
-    const Hierarchy tree = build_bvh(items);
+    const Hierarchy tree = build_bvh(items, kOneEach);
     expect_good(tree, items, 1);
     EXPECT_LE(depth(tree), 14u);
 }
@@ -233,7 +235,7 @@ TEST(BvhBuilder, PointsLinesAndPlanesOfBoxesMakeGoodTrees)
                 item.box.min[axis] = item.box.max[axis] = 5.0f;
             }
         }
-        const Hierarchy tree = build_bvh(items);
+        const Hierarchy tree = build_bvh(items, kOneEach);
         expect_good(tree, items, 1);
         EXPECT_LE(depth(tree), 40u);
     }
@@ -247,7 +249,7 @@ TEST(BvhBuilder, HugeAndTinyScenesMakeGoodTrees)
             item.box.min *= scale;
             item.box.max *= scale;
         }
-        expect_good(build_bvh(items), items, 1);
+        expect_good(build_bvh(items, kOneEach), items, 1);
     }
     // Corners whose sums and differences overflow.
     std::vector<ItemBounds> items = random_items(100, 10);
@@ -255,7 +257,7 @@ TEST(BvhBuilder, HugeAndTinyScenesMakeGoodTrees)
         items[i].box = {glm::vec3{-FLT_MAX}, glm::vec3{i % 4 == 0 ? FLT_MAX : -FLT_MAX}};
         items[i + 1].box = {glm::vec3{FLT_MAX}, glm::vec3{FLT_MAX}};
     }
-    expect_good(build_bvh(items), items, 1);
+    expect_good(build_bvh(items, kOneEach), items, 1);
 }
 
 TEST(BvhBuilder, DepthIsBoundedForTheWorstInput)
@@ -270,7 +272,7 @@ TEST(BvhBuilder, DepthIsBoundedForTheWorstInput)
                              1u << (k * 8)});
         }
     }
-    const Hierarchy tree = build_bvh(items);
+    const Hierarchy tree = build_bvh(items, kOneEach);
     expect_good(tree, items, 1);
     EXPECT_LE(depth(tree), 64u + 12u);
 }
@@ -281,7 +283,7 @@ TEST(BvhBuilder, UnboundedBoxesGetALeafOfTheirOwnBelowTheRoot)
     items[7].box.max.x = kInf;
     items[500].box = Aabb::everything();
     items[999].box.min.z = kNan;
-    const Hierarchy tree = build_bvh(items);
+    const Hierarchy tree = build_bvh(items, kOneEach);
     expect_good(tree, items, 1);
     const NodeId leaf = leaf_of(tree, 7);
     EXPECT_EQ(tree.node(leaf).parent, tree.root());
@@ -302,7 +304,7 @@ TEST(BvhBuilder, EmptyBoxesGetALeafThatNoFrustumMeets)
     items[3].box = Aabb::empty();
     items[4].box.max.y = items[4].box.min.y - 1.0f;
     // Even where the whole scene would fit into one virtual leaf.
-    const Hierarchy tree = build_bvh(items, {.leaf_triangles = 1000000});
+    const Hierarchy tree = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 1000000});
     expect_good(tree, items, 1);
     const NodeId leaf = leaf_of(tree, 3);
     EXPECT_EQ(leaf_of(tree, 4), leaf);
@@ -316,13 +318,13 @@ TEST(BvhBuilder, OneKindOfOddBoxesMakesOneLeaf)
     for (const Aabb& box :
          {Aabb::everything(), Aabb::empty(), Aabb{glm::vec3{kNan}, glm::vec3{kNan}}}) {
         const std::vector<ItemBounds> items(10, ItemBounds{box, 5});
-        const Hierarchy tree = build_bvh(items);
+        const Hierarchy tree = build_bvh(items, kOneEach);
         expect_good(tree, items, 1);
         EXPECT_EQ(tree.nodes().size(), 1u);
     }
     std::vector<ItemBounds> mixed(2, ItemBounds{Aabb::empty(), 1});
     mixed[0].box = Aabb::everything();
-    const Hierarchy tree = build_bvh(mixed);
+    const Hierarchy tree = build_bvh(mixed, kOneEach);
     expect_good(tree, mixed, 1);
     EXPECT_EQ(tree.nodes().size(), 3u);
 }
@@ -330,7 +332,7 @@ TEST(BvhBuilder, OneKindOfOddBoxesMakesOneLeaf)
 TEST(BvhBuilder, VirtualLeavesHoldAtMostTheGivenTriangles)
 {
     const std::vector<ItemBounds> items = random_items(5000, 13);
-    const Hierarchy tree = build_bvh(items, {.leaf_triangles = 4096});
+    const Hierarchy tree = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 4096});
     uint32_t covered = 0;
     uint32_t inner = 0;
     for (uint32_t n = 1; n < tree.nodes().size(); ++n) {
@@ -360,7 +362,7 @@ TEST(BvhBuilder, TreeOrderKeepsNeighboursTogether)
 {
     // The mean step from item to item in tree order, beside that of the given (random) order.
     const std::vector<ItemBounds> items = random_items(5000, 15);
-    const Hierarchy tree = build_bvh(items);
+    const Hierarchy tree = build_bvh(items, kOneEach);
     double in_tree = 0.0;
     double given = 0.0;
     for (size_t i = 1; i < items.size(); ++i) {

@@ -143,6 +143,32 @@ TEST(Cli, SettingsMustReachAnAlgorithmThatTakesPart)
                    {"chc does not take part"});
 }
 
+TEST(Cli, SettingsReachHierarchiesByTheirNames)
+{
+    const std::string scene = scene_file();
+    expect_refused({"bench", scene, "--hierarchy", "bsp", "--set", "bsp.splat=1"},
+                   {"--set bsp", "'splat'", "split, max_leaf_items, max_depth, leaf_triangles"});
+    expect_refused({"bench", scene, "--hierarchy", "bsp", "--set", "bsp.split=best"},
+                   {"--set bsp", "'best'", "cost middle median"});
+    expect_refused({"bench", scene, "--set", "grid.items_per_cell=2"},
+                   {"--set grid.items_per_cell", "--hierarchy"});
+    expect_refused(
+        {"bench", scene, "--hierarchy", "two_level", "--set", "two_level.quiet_frames=4"},
+        {"two_level", "quiet_frames"}); // the algorithm
+    const Outcome listed = run({"list", "hierarchies"});
+    for (const char* option : {"bvh.max_leaf_items=4", "bsp.split=cost", "octree.max_depth=21",
+                               "grid.items_per_cell=8", "two_level_tree.quiet_frames=0"}) {
+        EXPECT_NE(listed.out.find(std::string{"--set "} + option), std::string::npos) << option;
+    }
+    // A tree of one leaf needs one test.
+    const std::string json = write_file("tree_settings.json", "").string();
+    const Outcome outcome =
+        run(small({"bench", scene, "--frames", "1", "--json", json, "--hierarchy", "bvh,two_level",
+                   "--algorithms", "chc", "--set", "bvh.leaf_triangles=1000000", "--set",
+                   "two_level_tree.leaf_triangles=1000000"}));
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+}
+
 TEST(Cli, AnAlgorithmRunsSeveralTimesWithOptionsOfItsOwn)
 {
     const std::string json = write_file("variants.json", "").string();

@@ -63,7 +63,8 @@ struct TinyStage {
     explicit TinyStage(SceneModel scene_model, glm::ivec2 size = {48, 32})
         : model(std::move(scene_model))
         , scene(make_cull_scene(model))
-        , hierarchy(build_bvh(scene.scene.item_bounds(), {.leaf_triangles = 0}))
+        , hierarchy(
+              build_bvh(scene.scene.item_bounds(), {.max_leaf_items = 1, .leaf_triangles = 0}))
         , renderer(std::move(*make_cpu_renderer(model, scene.items, size)))
     {
     }

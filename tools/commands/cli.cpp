@@ -75,7 +75,8 @@ void add_stage_options(CLI::App& app, RawStage& raw, bool several)
     app.add_option("--msaa", stage.samples, "Samples per pixel")
         ->capture_default_str()
         ->check(whole_number(1, kMaxSamples));
-    app.add_option("--set", stage.sets, "An option of an algorithm: ALGORITHM.OPTION=VALUE")
+    app.add_option("--set", stage.sets,
+                   "An option of an algorithm or a hierarchy: NAME.OPTION=VALUE")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--leaf-triangles", stage.leaf_triangles,

@@ -1,6 +1,7 @@
 #include "commands/contenders.h"
 
 #include <occlude/cull/registry.h>
+#include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <fmt/format.h>
 
@@ -18,6 +19,15 @@ std::string all_names()
     std::string names;
     for (const AlgorithmInfo& info : algorithms()) {
         names += (names.empty() ? "" : ", ") + info.name;
+    }
+    return names;
+}
+
+std::string tree_names()
+{
+    std::string names;
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        names += (names.empty() ? "" : ", ") + tree_set_name(kind.name);
     }
     return names;
 }
@@ -131,10 +141,17 @@ Result<bool> check_settings(std::span<const std::string> sets, std::span<const C
         if (!set) {
             return set.error();
         }
+        if (std::any_of(hierarchy_kinds().begin(), hierarchy_kinds().end(),
+                        [&](const HierarchyKind& kind) {
+                            return tree_set_name(kind.name) == set->algorithm;
+                        })) {
+            continue; // check_tree_settings
+        }
         if (find_algorithm(set->algorithm) == nullptr) {
             return Error{ErrorCode::not_found,
-                         fmt::format("--set {}: there is no algorithm '{}'; there are: {}", text,
-                                     set->algorithm, all_names())};
+                         fmt::format("--set {}: there is no algorithm '{}'; there are: {}; and the "
+                                     "hierarchies: {}",
+                                     text, set->algorithm, all_names(), tree_names())};
         }
         if (std::none_of(choices.begin(), choices.end(),
                          [&](const Choice& c) { return c.info->name == set->algorithm; })) {

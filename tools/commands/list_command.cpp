@@ -36,6 +36,10 @@ std::string list_hierarchies()
     std::string text;
     for (const HierarchyKind& kind : hierarchy_kinds()) {
         text += fmt::format("{}\n    {}\n", kind.name, kind.summary);
+        for (const OptionInfo& option : kind.options()) {
+            text += fmt::format("    --set {}.{}={}  {}\n", tree_set_name(kind.name), option.name,
+                                option.default_value, option.description);
+        }
     }
     return text;
 }

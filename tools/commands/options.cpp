@@ -1,5 +1,6 @@
 #include "commands/options.h"
 
+#include <occlude/cull/registry.h>
 #include <occlude/hierarchy/hierarchy_kinds.h>
 
 #include <fmt/format.h>
@@ -62,12 +63,53 @@ Result<SetOption> parse_set(std::string_view text)
         dot + 1 == equals) {
         return Error{ErrorCode::invalid_argument,
                      fmt::format("--set: '{}' is not a setting; write ALGORITHM.OPTION=VALUE, such "
-                                 "as chc.threshold=20 ('occlude list algorithms' names them)",
+                                 "as chc.threshold=20, or HIERARCHY.OPTION=VALUE ('occlude list "
+                                 "algorithms' and 'list hierarchies' name them)",
                                  text)};
     }
     return SetOption{std::string{text.substr(0, dot)},
                      std::string{text.substr(dot + 1, equals - dot - 1)},
                      std::string{text.substr(equals + 1)}};
+}
+
+std::string tree_set_name(std::string_view kind)
+{
+    const std::string name{kind};
+    return find_algorithm(name) == nullptr ? name : name + "_tree";
+}
+
+std::vector<OptionValue> tree_settings(std::string_view kind, std::span<const std::string> sets)
+{
+    std::vector<OptionValue> values;
+    for (const std::string& text : sets) {
+        const auto set = parse_set(text);
+        if (set && set->algorithm == tree_set_name(kind)) {
+            values.emplace_back(set->option, set->value);
+        }
+    }
+    return values;
+}
+
+Result<bool> check_tree_settings(std::span<const std::string> sets,
+                                 std::span<const std::string> kinds)
+{
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        const std::vector<OptionValue> values = tree_settings(kind.name, sets);
+        if (values.empty()) {
+            continue;
+        }
+        if (std::find(kinds.begin(), kinds.end(), kind.name) == kinds.end()) {
+            return Error{ErrorCode::invalid_argument,
+                         fmt::format("--set {}.{}: the hierarchy {} does not take part; name it in "
+                                     "--hierarchy",
+                                     tree_set_name(kind.name), values.front().first, kind.name)};
+        }
+        if (const auto tree = kind.build_with({}, 0, values); !tree) {
+            return Error{tree.error().code, fmt::format("--set {}: {}", tree_set_name(kind.name),
+                                                        tree.error().message)};
+        }
+    }
+    return true;
 }
 
 std::string hierarchy_names()

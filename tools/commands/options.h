@@ -3,6 +3,7 @@
 
 #include "scenes/scene_source.h"
 
+#include <occlude/core/option_text.h>
 #include <occlude/core/result.h>
 #include <occlude/hierarchy/bvh_builder.h>
 
@@ -10,6 +11,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,7 +31,7 @@ struct StageOptions {
     uint32_t item_triangles = SceneOptions{}.item_triangles;
     std::string split = "centroid";
     std::optional<std::string> cache_folder; ///< empty: default_cache_folder()
-    std::vector<std::string> sets;           ///< ALGORITHM[@LABEL].OPTION=VALUE
+    std::vector<std::string> sets;           ///< ALGORITHM.OPTION=VALUE, TREE.OPTION=VALUE
 };
 
 /// For bench and verify, which take the same options.
@@ -107,6 +109,17 @@ Result<SetOption> parse_set(std::string_view text);
 
 /// "bvh, bsp": the names that --hierarchy takes.
 std::string hierarchy_names();
+
+/// How --set names a kind of hierarchy: by its name, or as NAME_tree where an algorithm has that name.
+std::string tree_set_name(std::string_view kind);
+
+/// The settings of `sets` for this kind of hierarchy.
+std::vector<OptionValue> tree_settings(std::string_view kind, std::span<const std::string> sets);
+
+/// Whether the settings for hierarchies are right. Errors name the unknown option and what there is,
+/// or the hierarchy that is not among `kinds`. Settings for others (algorithms) are left alone.
+Result<bool> check_tree_settings(std::span<const std::string> sets,
+                                 std::span<const std::string> kinds);
 
 /// What --hierarchy names: kinds between commas, each once, in that order, or "all". Errors name
 /// the unknown one and what there is.

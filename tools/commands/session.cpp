@@ -48,8 +48,12 @@ Result<bool> check_stage_options(const StageOptions& options)
                      fmt::format("{}: '{}' is not available in this version; choose {}", option,
                                  value, choices)};
     };
-    if (const auto kinds = parse_hierarchies(options.hierarchy); !kinds) {
+    const auto kinds = parse_hierarchies(options.hierarchy);
+    if (!kinds) {
         return kinds.error();
+    }
+    if (const auto checked = check_tree_settings(options.sets, *kinds); !checked) {
+        return checked.error();
     }
     if (!test_method(options.test)) {
         return unknown("--test", options.test, "queries, raster or pyramid");
@@ -94,7 +98,7 @@ Session::Session(SceneModel model, const StageOptions& options, std::span<const 
         auto tree = std::make_unique<Tree>();
         tree->kind = kind;
         if (kind == kTwoLevel) { // knows of objects, not only of items
-            tree->two_level = std::make_unique<TwoLevelScene>(two_level_options());
+            tree->two_level = std::make_unique<TwoLevelScene>(two_level_tree_options());
             tree->two_level->sync(scene_.scene);
         } else {
             tree->flat = build(kind, scene_.scene.item_bounds());
@@ -133,9 +137,10 @@ std::vector<std::string> Session::hierarchy_kinds() const
     return kinds;
 }
 
-TwoLevelOptions Session::two_level_options() const
+// The settings were checked by check_stage_options().
+TwoLevelOptions Session::two_level_tree_options() const
 {
-    return {.leaf_triangles = options_.leaf_triangles};
+    return *two_level_options(options_.leaf_triangles, tree_settings(kTwoLevel, options_.sets));
 }
 
 void Session::make_motion()
@@ -154,7 +159,7 @@ void Session::make_motion()
 std::unique_ptr<MovingTree> Session::make_moving(Tree& tree) const
 {
     if (tree.two_level) {
-        return std::make_unique<RelinkedTree>(*tree.two_level, two_level_options());
+        return std::make_unique<RelinkedTree>(*tree.two_level, two_level_tree_options());
     }
     return std::make_unique<RefittedTree>(
         tree.flat, scene_.scene,
@@ -163,7 +168,8 @@ std::unique_ptr<MovingTree> Session::make_moving(Tree& tree) const
 
 Hierarchy Session::build(std::string_view kind, std::span<const ItemBounds> items) const
 {
-    return find_hierarchy_kind(kind)->build(items, options_.leaf_triangles);
+    return *find_hierarchy_kind(kind)->build_with(items, options_.leaf_triangles,
+                                                  tree_settings(kind, options_.sets));
 }
 
 Stage Session::stage()

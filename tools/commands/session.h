@@ -60,7 +60,7 @@ private:
     Session(SceneModel model, const StageOptions& options, std::span<const std::string> kinds);
     Result<bool> make_renderer(std::ostream& notes);
     Result<bool> choose_test();
-    TwoLevelOptions two_level_options() const;
+    TwoLevelOptions two_level_tree_options() const;
     void make_motion();
     std::unique_ptr<MovingTree> make_moving(Tree& tree) const;
     Hierarchy build(std::string_view kind, std::span<const ItemBounds> items) const;

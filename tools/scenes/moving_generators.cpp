@@ -127,6 +127,15 @@ SceneModel::NamedPath path_orbit(float half)
     return path;
 }
 
+/// A third of the orbit: in as many frames, at a third of its pace.
+SceneModel::NamedPath path_pass(float half)
+{
+    SceneModel::NamedPath path = path_orbit(half);
+    path.name = "pass";
+    path.keys.resize(path.keys.size() / 3 + 1);
+    return path;
+}
+
 /// Through the middle of the cube, from corner to corner, in a loop.
 SceneModel::NamedPath path_inside(float half)
 {
@@ -233,7 +242,9 @@ SceneModel generate_movers(const MoversOptions& options, const SceneOptions& sce
 
 void fill_crowd(SceneModel& model, uint64_t count, uint64_t seed, const std::string& name)
 {
-    constexpr float kSpacing = 1.2f; // metres between middles, of things 2 m across
+    // Metres between middles, of things 2 m across: so dense that one part in eight is seen from
+    // outside (bunnies in parts of 1000 triangles), as published: 2584 of 22,344.
+    constexpr float kSpacing = 0.65f;
     uint64_t side = 1;
     while (side * side * side < count) {
         ++side;
@@ -248,7 +259,7 @@ void fill_crowd(SceneModel& model, uint64_t count, uint64_t seed, const std::str
             {fmt::format("{} {}", name, i), 0, world_from_mesh, random_color(rng)});
         model.motion.instances.push_back(random_motion(rng, 0.005f, 0.03f, 0.0f));
     }
-    model.paths = {path_orbit(half), path_inside(half)};
+    model.paths = {path_orbit(half), path_inside(half), path_pass(half)};
 }
 
 SceneModel generate_blobs(const BlobsOptions& options, const SceneOptions& scene_options)

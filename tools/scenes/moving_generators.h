@@ -29,8 +29,8 @@ struct BlobsOptions {
 SceneModel generate_blobs(const BlobsOptions& options, const SceneOptions& scene_options = {});
 
 /// Adds `count` instances of the model's only mesh, which lies within 1 m of the origin, called
-/// `name` and a number, on straight ways through the cube that holds them; and the paths "orbit" and
-/// "inside".
+/// `name` and a number, on straight ways through the cube that holds them; and the paths "orbit",
+/// "inside" and "pass".
 void fill_crowd(SceneModel& model, uint64_t count, uint64_t seed, const std::string& name);
 
 /// A closed mesh of about `triangles` triangles (at least 12) within 1 m of the origin: a sphere

@@ -60,6 +60,23 @@ SuiteEntry two_level(Scale scale, std::string name, const Sizes& scene, uint32_t
     return entry;
 }
 
+// The same, of the moving bunnies, which move by up to 1.5% of their size in a frame, while the eye
+// goes a third of the way around them, 5 cm a frame.
+SuiteEntry bunnies_in_motion(Scale scale, const Sizes& scene, uint32_t part_triangles)
+{
+    SuiteEntry entry = two_level(scale, "bunnies", scene, part_triangles);
+    entry.algorithms = "frustum,stop_and_wait,two_level";
+    entry.stage.path = "pass";
+    entry.stage.leaf_triangles = part_triangles;
+    // A test is cheap where triangles are dear: on the paper's hardware 14,408 of them took over two
+    // seconds. A larger image brings that somewhat nearer.
+    entry.stage.size = {1024, 768};
+    entry.stage.frames = 240;
+    entry.sample_every = 12;
+    entry.verify_every = 12;
+    return entry;
+}
+
 // Hey, Tobler, Purgathofer 2001: cells of 32 pixels, and boxes of at most 1500 triangles. Smaller
 // ones serve lazy and busy better; `frustum` culls item by item and does not mind.
 SuiteEntry lazy_grid(Scale scale, std::string name, const Sizes& scene, std::string path,
@@ -119,7 +136,7 @@ std::vector<SuiteEntry> papers_entries(Scale scale)
             statistical(scale, "library", library, 512),
             teapots_entry(scale, "teapots", teapots, 512),
             two_level(scale, "plant_13m", large_plant, scale == Scale::full ? 2048 : 512),
-            two_level(scale, "bunnies", bunnies, scale == Scale::full ? 1000 : 400),
+            bunnies_in_motion(scale, bunnies, scale == Scale::full ? 1000 : 200),
             lazy_grid(scale, "forest_640", forest, "auto", low),
             lazy_grid(scale, "forest_1280", forest, "auto", high),
             lazy_grid(scale, "city_640", city, "street", low),

@@ -22,7 +22,7 @@ struct BoxProjector {
     BoxProjector(const View& view, const glm::mat4& world_from_box);
 
     /// The specification of project() and project_boxes().
-    ScreenBounds project(const Aabb& box) const;
+    void project(const Aabb& box, ScreenBounds& bounds) const;
 
     /// Beyond this much rounding (NaN included) nothing is certain, and at less than this w no
     /// quotient: between them no result overflows.
@@ -39,7 +39,7 @@ struct BoxProjector {
     bool usable = false;     ///< there is a near plane, and something is known of the view
 };
 
-/// Writes p.project(boxes[i]) to bounds[i], several boxes at once.
+/// Does p.project(boxes[i], bounds[i]), several boxes at once.
 void project_boxes_simd(const BoxProjector& p, std::span<const Aabb> boxes,
                         std::span<ScreenBounds> bounds);
 

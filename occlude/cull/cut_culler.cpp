@@ -1,0 +1,281 @@
+#include <occlude/cull/cut_culler.h>
+
+#include <occlude/core/rng.h>
+
+#include <algorithm>
+
+namespace occlude {
+
+namespace {
+
+// One in so many nodes that could be closed again is tried in a frame: each costs a test.
+constexpr uint32_t kMergeOneIn = 3;
+
+} // namespace
+
+bool CutCuller::visible(NodeId node) const
+{
+    const Node& n = hierarchy().node(node);
+    return std::ranges::any_of(cut_.entries(), [&](const Entry& entry) {
+        const uint32_t first =
+            entry.is_item() ? entry.place : hierarchy().node(entry.node).first_item;
+        return entry.state == State::visible && first >= n.first_item &&
+               first < n.first_item + n.subtree_items;
+    });
+}
+
+// --- entries -------------------------------------------------------------------------------------
+
+bool CutCuller::visit(CullFrame& frame, Candidate& candidate) const
+{
+    const Entry& entry = candidate.entry;
+    return entry.is_item() ? frame.visit_item(entry.node, entry.place, candidate.mask)
+                           : frame.visit(entry.node, candidate.mask);
+}
+
+void CutCuller::draw(CullFrame& frame, const Candidate& candidate, Decision decision) const
+{
+    const Entry& entry = candidate.entry;
+    if (all_drawn_) {
+        return;
+    }
+    if (entry.is_item()) {
+        frame.draw_item(entry.node, entry.place, candidate.mask, decision);
+    } else {
+        frame.draw_leaf(entry.node, candidate.mask, decision);
+    }
+}
+
+void CutCuller::add_parts(const CullFrame& frame, const Candidate& candidate,
+                          std::vector<Candidate>& out)
+{
+    const Node& node = hierarchy().node(candidate.entry.node);
+    parts_.clear();
+    for (uint32_t i = 0; i < node.child_count; ++i) {
+        const NodeId child{node.first_child.value + i};
+        parts_.push_back({frame.view().distance_key(hierarchy().node(child).box), child,
+                          HierarchyCut::kSubtree});
+    }
+    for (uint32_t place = node.first_item; place < node.first_item + node.own_items; ++place) {
+        parts_.push_back({frame.view().distance_key(hierarchy().item_bounds()[place].box),
+                          candidate.entry.node, place});
+    }
+    std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) {
+        return a.distance != b.distance ? a.distance > b.distance
+               : a.node != b.node       ? a.node > b.node
+                                        : a.place > b.place;
+    });
+    for (const Part& part : parts_) {
+        out.push_back({Entry{part.node, part.place}, candidate.mask, part.distance});
+    }
+}
+
+void CutCuller::keep_hidden(CullFrame& frame, Entry entry, Decision decision)
+{
+    if (decision == Decision::undecided) {
+        entry.frames_hidden = 0; // drawn in this frame
+    } else {
+        entry.frames_hidden = static_cast<uint16_t>(std::min(entry.frames_hidden + 1, 0xffff));
+        spared(entry);
+        if (all_drawn_) {
+            // nothing is decided
+        } else if (entry.is_item()) {
+            frame.decide_item(entry.node, entry.place, decision);
+        } else {
+            frame.decide(entry.node, decision);
+        }
+    }
+    entry.state = State::hidden;
+    entry.tested = frame.stamp();
+    cut_.keep(entry);
+}
+
+void CutCuller::keep_visible(Entry entry)
+{
+    entry.state = State::visible;
+    entry.frames_hidden = 0;
+    cut_.keep(entry);
+}
+
+void CutCuller::keep_outside(Entry entry)
+{
+    entry.state = State::outside;
+    entry.frames_hidden = 0;
+    cut_.keep(entry);
+}
+
+// --- one frame, in order -------------------------------------------------------------------------
+
+void CutCuller::sort_out(CullFrame& frame)
+{
+    expected_.clear();
+    candidates_.clear();
+    tests_ = 0.0;
+    if (cut_.empty()) {
+        cut_.reset(hierarchy());
+    }
+    const std::span<const Entry> entries = cut_.entries();
+    for (size_t i = 0; i < entries.size(); ++i) {
+        HierarchyCut::fetch_ahead(hierarchy(), entries, i);
+        Candidate candidate{entries[i]};
+        Entry& entry = candidate.entry;
+        if (!visit(frame, candidate)) {
+            keep_outside(entry);
+        } else if (entry.state == State::visible && still_visible(entry)) {
+            candidate.distance = frame.view().distance_key(box_of(entry));
+            expected_.push_back(candidate);
+        } else {
+            entry.state = entry.state == State::visible ? State::hidden : entry.state;
+            candidates_.push_back(candidate);
+        }
+    }
+}
+
+void CutCuller::draw_expected(CullFrame& frame)
+{
+    std::sort(expected_.begin(), expected_.end(),
+              [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+    for (const Candidate& candidate : expected_) {
+        draw(frame, candidate, Decision::drawn_tested);
+    }
+}
+
+// Adds those candidates that `tests` does not have yet.
+void CutCuller::prepare(const CullFrame& frame, std::span<const Candidate> candidates,
+                        Tests& tests) const
+{
+    const size_t known = tests.boxes.size();
+    for (const Candidate& candidate : candidates.subspan(known)) {
+        tests.boxes.push_back(box_of(candidate.entry));
+        tests.most_texels.push_back(most_texels(candidate.entry));
+    }
+    tests.bounds.resize(tests.boxes.size());
+    project_boxes(frame.view(), std::span{tests.boxes}.subspan(known),
+                  std::span{tests.bounds}.subspan(known));
+}
+
+void CutCuller::test(Tests& tests) const
+{
+    tests.hidden.resize(tests.boxes.size());
+    depth_.rectangles_hide(tests.bounds, tests.hidden);
+    for (size_t i = 0; i < tests.boxes.size(); ++i) {
+        if (tests.hidden[i] == 0) {
+            tests.hidden[i] =
+                depth_.closer(tests.boxes[i], tests.bounds[i], tests.most_texels[i]) ? 1 : 0;
+        }
+    }
+}
+
+void CutCuller::project_all(CullFrame& frame)
+{
+    for (Tests* tests : {&candidate_tests_, &expected_tests_}) {
+        tests->boxes.clear();
+        tests->most_texels.clear();
+    }
+    prepare(frame, candidates_, candidate_tests_);
+    prepare(frame, expected_, expected_tests_);
+}
+
+// Leaves on the stack what is not hidden, the nearest on top.
+void CutCuller::test_candidates(CullFrame& frame)
+{
+    stack_.clear();
+    test(candidate_tests_);
+    for (size_t i = 0; i < candidates_.size(); ++i) {
+        Candidate& candidate = candidates_[i];
+        if (candidate_tests_.hidden[i] != 0) {
+            keep_hidden(frame, candidate.entry, Decision::hidden);
+        } else {
+            candidate.distance = frame.view().distance_key(candidate_tests_.boxes[i]);
+            stack_.push_back(candidate);
+        }
+    }
+    std::sort(stack_.begin(), stack_.end(),
+              [](const Candidate& a, const Candidate& b) { return a.distance > b.distance; });
+}
+
+// Draws what a candidate is, or puts what it consists of on the stack.
+void CutCuller::open(CullFrame& frame, const Candidate& candidate, bool tested)
+{
+    if (opens(candidate.entry)) {
+        add_parts(frame, candidate, stack_);
+        return;
+    }
+    draw(frame, candidate, tested ? Decision::drawn_revealed : Decision::drawn);
+    if (retest_revealed_) {
+        expected_.push_back(candidate);
+    } else {
+        keep_visible(candidate.entry);
+    }
+}
+
+// Walks what is not known to be hidden near to far.
+void CutCuller::reveal(CullFrame& frame)
+{
+    size_t untouched = stack_.size(); // at the bottom: in the frustum, and tested if depth is known
+    bool tested_once = depth_.known();
+    while (!stack_.empty()) {
+        Candidate candidate = stack_.back();
+        stack_.pop_back();
+        bool tested = tested_once && stack_.size() < untouched;
+        if (stack_.size() < untouched) {
+            untouched = stack_.size();
+        } else if (!visit(frame, candidate)) {
+            keep_outside(candidate.entry);
+            continue;
+        }
+        if (read_again(frame)) {
+            tested_once = false;
+            tested = false;
+        }
+        if (!tested && depth_.known() && worth_testing(candidate.entry)) {
+            ++tests_;
+            const bool found_hidden = hidden(frame, candidate.entry);
+            answered(found_hidden);
+            if (found_hidden) {
+                keep_hidden(frame, candidate.entry, Decision::hidden);
+                continue;
+            }
+            tested = true;
+        }
+        open(frame, candidate, tested);
+    }
+}
+
+void CutCuller::retest(CullFrame& frame)
+{
+    prepare(frame, expected_, expected_tests_);
+    test(expected_tests_);
+    for (size_t i = 0; i < expected_.size(); ++i) {
+        Entry& entry = expected_[i].entry;
+        if (expected_tests_.hidden[i] != 0) {
+            keep_hidden(frame, entry, Decision::undecided);
+        } else {
+            entry.tested = frame.stamp();
+            keep_visible(entry);
+        }
+    }
+}
+
+bool CutCuller::merges(CullFrame& frame, NodeId node)
+{
+    ++tests_;
+    return hidden(frame, Entry{node});
+}
+
+void CutCuller::finish_cut(CullFrame& frame, uint64_t seed)
+{
+    const uint64_t turn = hash64(seed, frame.stamp());
+    const auto chosen = [&](NodeId node) {
+        return uniform_below(mix64(turn ^ node.value), kMergeOneIn) == 0;
+    };
+    cut_.finish(hierarchy(), chosen, [&](NodeId node, bool all_outside, Entry& replacement) {
+        PlaneMask mask = Frustum::kAllPlanes;
+        const bool outside = frame.view().frustum().classify(hierarchy().node(node).box, mask) ==
+                             Containment::outside;
+        replacement.state = all_outside || outside ? State::outside : State::hidden;
+        return all_outside || outside ? outside : merges(frame, node);
+    });
+}
+
+} // namespace occlude

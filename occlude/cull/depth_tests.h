@@ -1,0 +1,53 @@
+// Boxes against the depth of this frame: read back once or a few times, asked on the CPU.
+//
+//   rectangle   the box's rectangle of pixels and its nearest depth, against at most 4x4 texels
+//   closer      where that does not hide it: the box itself, by its faces, texel by texel down to
+//               pixels, as long as that pays; or its rectangle, down to pixels
+//
+// Guarantees  Errs toward "not hidden", as DepthPyramid and ScreenBox do.
+#pragma once
+
+#include <occlude/core/depth_pyramid.h>
+#include <occlude/core/projection.h>
+#include <occlude/core/screen_box.h>
+
+#include <cstdint>
+#include <span>
+
+namespace occlude {
+
+class CullFrame;
+
+class DepthTests {
+public:
+    /// Without `refine` only rectangles are compared, with 4x4 texels, as on a GPU.
+    explicit DepthTests(bool refine = true)
+        : refine_(refine)
+    {
+    }
+
+    /// Nothing is known of the frame that starts.
+    void start_frame() { known_ = false; }
+
+    /// Has everything drawn that is queued, and reads its depth back. False, and nothing else is
+    /// known than before, if nothing was drawn or the device cannot read.
+    bool read(CullFrame& frame);
+    bool known() const { return known_; }
+
+    /// True if everything in `box` is farther than what was drawn. The faces are tested with at most
+    /// `most_texels`; 0: the rectangle instead. Invalid bounds are those of rule R1: visible.
+    bool hides(const View& view, const Aabb& box, uint32_t most_texels) const;
+
+    /// The rectangles of many boxes at once: 1 in `hidden` where one is enough.
+    void rectangles_hide(std::span<const ScreenBounds> bounds, std::span<uint8_t> hidden) const;
+    /// ... and a closer look at one of the others.
+    bool closer(const Aabb& box, const ScreenBounds& bounds, uint32_t most_texels) const;
+
+private:
+    bool refine_;
+    DepthPyramid pyramid_;
+    ScreenSpace screen_;
+    bool known_ = false;
+};
+
+} // namespace occlude
