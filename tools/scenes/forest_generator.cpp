@@ -150,8 +150,7 @@ void add_lump(MeshBuilder& builder, Rng& rng, const glm::vec3& middle, const glm
         for (size_t k = 0; k < 8; ++k) {
             const float out = rng.range(0.75f, 1.0f);
             const float up = (ring == 0 ? -0.45f : 0.45f) + rng.range(-0.15f, 0.15f);
-            rings[ring][k] =
-                middle + reach * glm::vec3{out * circle[k].x, up, out * circle[k].y};
+            rings[ring][k] = middle + reach * glm::vec3{out * circle[k].x, up, out * circle[k].y};
         }
     }
     for (size_t k = 0; k < 8; ++k) {
