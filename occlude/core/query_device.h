@@ -44,6 +44,8 @@ enum class TestMethod : uint8_t {
     raster,  ///< all boxes rasterised into a flag buffer in one draw
     pyramid, ///< depth read back and tested on the CPU
 };
+/// "automatic", "queries", "raster" or "pyramid".
+const char* name(TestMethod method);
 
 /// What a draw is for.
 enum class DrawPass : uint8_t {
@@ -75,6 +77,12 @@ struct DeviceCaps {
     std::vector<TestCost> methods = {}; ///< the test methods there are, the default first
     float us_per_triangle = 0.15f;
     float us_per_item = 4.0f; ///< of a draw, besides its triangles
+
+    /// That method's entry in `methods`, or null if the device does not have it.
+    const TestCost* find_method(TestMethod method) const;
+    /// Makes `method` the first of `methods` (`automatic`: queries) and sets exact_counts for it.
+    /// False, and nothing changes, if the device does not have it.
+    bool make_default(TestMethod method);
 };
 
 /// One box of a test. The box is in the space of `world_from_box`, or in world space if that is

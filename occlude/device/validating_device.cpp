@@ -256,9 +256,9 @@ void ValidatingDevice::draw(std::span<const ItemId> items, DrawPass pass)
 
 void ValidatingDevice::check_method(TestMethod method) const
 {
-    const auto& methods = inner_.caps().methods;
-    const bool there = method == TestMethod::automatic || methods.empty() ||
-                       std::ranges::find(methods, method, &TestCost::method) != methods.end();
+    const DeviceCaps& caps = inner_.caps();
+    const bool there = method == TestMethod::automatic || caps.methods.empty() ||
+                       caps.find_method(method) != nullptr;
     if (!there) {
         report("methods",
                "the batch names test method " + std::to_string(static_cast<int>(method)) +

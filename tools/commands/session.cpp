@@ -8,8 +8,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
 #include <optional>
 #include <ostream>
 #include <string_view>
@@ -30,14 +28,14 @@ static SceneOptions scene_options(const StageOptions& options)
     return scene;
 }
 
-static std::optional<TestMethod> test_method(std::string_view name)
+static std::optional<TestMethod> test_method(std::string_view text)
 {
-    constexpr std::pair<std::string_view, TestMethod> kMethods[] = {
-        {"queries", TestMethod::queries},
-        {"raster", TestMethod::raster},
-        {"pyramid", TestMethod::pyramid}};
-    const auto found = std::ranges::find(kMethods, name, [](const auto& m) { return m.first; });
-    return found == std::end(kMethods) ? std::nullopt : std::optional{found->second};
+    for (const TestMethod method : {TestMethod::queries, TestMethod::raster, TestMethod::pyramid}) {
+        if (text == name(method)) {
+            return method;
+        }
+    }
+    return std::nullopt;
 }
 
 Result<bool> check_stage_options(const StageOptions& options)

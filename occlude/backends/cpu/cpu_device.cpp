@@ -72,16 +72,12 @@ CpuDevice::CpuDevice(const CpuScene& scene, const CpuDeviceOptions& options)
 
 Result<bool> CpuDevice::use_method(TestMethod method)
 {
-    const TestMethod wanted = method == TestMethod::automatic ? TestMethod::queries : method;
-    const auto found = std::ranges::find(caps_.methods, wanted, &TestCost::method);
-    if (found == caps_.methods.end()) {
+    if (!caps_.make_default(method)) {
         return Error{
             ErrorCode::unsupported,
             "the cpu device has no test method 'raster'; choose queries or pyramid, or the "
             "gl device"};
     }
-    std::rotate(caps_.methods.begin(), found, found + 1);
-    caps_.exact_counts = caps_.methods.front().exact_counts;
     return true;
 }
 
@@ -319,9 +315,8 @@ void CpuDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
     OCCLUDE_ASSERT(in_frame_, "query outside of a frame (C1)");
     OCCLUDE_ASSERT(tickets.size() == batch.test_ends.size(), "one ticket per test");
     std::fill(tickets.begin(), tickets.end(), Ticket{});
-    const auto named = std::ranges::find(caps_.methods, batch.method, &TestCost::method);
-    const TestCost& cost = named != caps_.methods.end() ? *named : caps_.methods.front();
-    if (cost.method == TestMethod::pyramid) {
+    const TestCost* named = caps_.find_method(batch.method);
+    if ((named != nullptr ? *named : caps_.methods.front()).method == TestMethod::pyramid) {
         test_with_pyramid(batch);
         for (size_t i = 0; i < std::min(tickets.size(), answers_.size()); ++i) {
             tickets[i] = issue(answers_[i]);

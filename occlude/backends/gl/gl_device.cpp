@@ -23,21 +23,6 @@ constexpr TestCost kQueriesCost{TestMethod::queries, 60.0f, 18.0f, 4.0f};
 constexpr TestCost kRasterCost{TestMethod::raster, 150.0f, 1.0f, 4.0f, false};
 constexpr TestCost kPyramidCost{TestMethod::pyramid, 1000.0f, 0.1f, 0.1f, false};
 
-const char* name(TestMethod method)
-{
-    switch (method) {
-    case TestMethod::queries:
-        return "queries";
-    case TestMethod::raster:
-        return "raster";
-    case TestMethod::pyramid:
-        return "pyramid";
-    case TestMethod::automatic:
-        break;
-    }
-    return "automatic";
-}
-
 } // namespace
 
 struct GlDevice::Parts {
@@ -98,27 +83,18 @@ const DeviceCaps& GlDevice::caps() const
     return caps_;
 }
 
-bool GlDevice::has_method(TestMethod method) const
-{
-    return std::ranges::find(caps_.methods, method, &TestCost::method) != caps_.methods.end();
-}
-
 Result<bool> GlDevice::use_method(TestMethod method)
 {
-    const TestMethod wanted = method == TestMethod::automatic ? TestMethod::queries : method;
-    const auto found = std::ranges::find(caps_.methods, wanted, &TestCost::method);
-    if (found == caps_.methods.end()) {
+    if (!caps_.make_default(method)) {
         std::string there;
         for (const TestCost& cost : caps_.methods) {
             there += (there.empty() ? "" : ", ") + std::string(name(cost.method));
         }
         return Error{
             ErrorCode::unsupported,
-            "the test method '" + std::string(name(wanted)) +
+            "the test method '" + std::string(name(method)) +
                 "' needs OpenGL 4.3, which this context does not have; choose one of: " + there};
     }
-    std::rotate(caps_.methods.begin(), found, found + 1);
-    caps_.exact_counts = caps_.methods.front().exact_counts;
     return true;
 }
 
@@ -153,7 +129,7 @@ void GlDevice::draw(std::span<const ItemId> items, DrawPass pass)
 
 TestMethod GlDevice::method_of(const QueryBatch& batch) const
 {
-    return has_method(batch.method) ? batch.method : caps_.methods.front().method;
+    return caps_.find_method(batch.method) != nullptr ? batch.method : caps_.methods.front().method;
 }
 
 void GlDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)

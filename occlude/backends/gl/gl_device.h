@@ -94,7 +94,6 @@ private:
     void leave_tests();
     TestMethod method_of(const QueryBatch& batch) const;
     void test_with_pyramid(const QueryBatch& batch, std::span<Ticket> tickets);
-    bool has_method(TestMethod method) const;
 
     // Whose state is set: the engine's, that of a method of testing, or neither's.
     enum class Mode : uint8_t { drawing, queries, raster, unknown };
