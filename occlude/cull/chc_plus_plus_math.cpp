@@ -21,14 +21,15 @@ double multiquery_value(size_t count, double all_keep)
     return benefit / cost;
 }
 
-size_t best_multiquery_size(std::span<const double> keep)
+size_t best_multiquery_size(std::span<const double> keep,
+                            double (*value_of)(size_t count, double all_keep))
 {
     size_t count = 1;
     double all_keep = keep[0];
-    double value = multiquery_value(1, all_keep);
+    double value = value_of(1, all_keep);
     while (count < keep.size()) {
         const double next_keep = all_keep * keep[count];
-        const double next_value = multiquery_value(count + 1, next_keep);
+        const double next_value = value_of(count + 1, next_keep);
         if (next_value <= value) {
             break;
         }

@@ -23,8 +23,10 @@ double analytic_keep_probability(uint32_t frames_hidden);
 double multiquery_value(size_t count, double all_keep);
 
 /// How many nodes from the front of `keep` (descending keep probabilities) the best multiquery
-/// takes: greedy, as long as the value grows. At least 1. Precondition: keep is not empty.
-size_t best_multiquery_size(std::span<const double> keep);
+/// takes: greedy, as long as the value grows. At least 1. Another `value` stands for another
+/// cost of failure; it is 1 for one node. Precondition: keep is not empty.
+size_t best_multiquery_size(std::span<const double> keep,
+                            double (*value)(size_t count, double all_keep) = multiquery_value);
 
 /// The measured p_keep(i) = n_keep(i) / n_all(i), constantly updated.
 class KeepTable {

@@ -45,27 +45,19 @@ constexpr uint32_t kMostSingly = 3;
 // A group is more likely to stay hidden than not: then each halving settles about one node of it.
 constexpr double kLeastKeep = 0.5;
 
-// How many nodes from the front of `keep` (descending) one test should take: greedy, as long as it
-// answers more nodes per expected test. A group that fails is halved again and again, which takes
-// two tests per halving if one node of it is visible.
-size_t best_group_size(std::span<const double> keep)
+// multiquery_value() of a group that is halved again and again where it fails, which takes two tests
+// per halving if one node of it is visible.
+double halved_value(size_t count, double all_keep)
 {
-    double all_keep = keep.front();
-    double best = 1.0;
-    size_t size = 1;
-    while (size < keep.size()) {
-        const double all = all_keep * keep[size];
-        const auto count = static_cast<double>(size + 1);
-        const double if_failed = size + 1 <= kMostSingly ? count : 2.0 * std::log2(count);
-        const double value = count / (1.0 + (1.0 - all) * if_failed);
-        if (all < kLeastKeep || value < best) {
-            break;
-        }
-        best = value;
-        all_keep = all;
-        ++size;
+    if (count <= 1) {
+        return 1.0;
     }
-    return size;
+    if (all_keep < kLeastKeep) {
+        return 0.0;
+    }
+    const auto nodes = static_cast<double>(count);
+    const double if_failed = count <= kMostSingly ? nodes : 2.0 * std::log2(nodes);
+    return nodes / (1.0 + (1.0 - all_keep) * if_failed);
 }
 
 } // namespace
@@ -381,7 +373,8 @@ void TwoLevel::issue_deferred(CullFrame& frame)
     }
     size_t done = 0;
     while (done < deferred_.size() && pending_.size() < pending_limit(frame)) {
-        const size_t size = best_group_size(std::span<const double>{keep_}.subspan(done));
+        const size_t size =
+            best_multiquery_size(std::span<const double>{keep_}.subspan(done), halved_value);
         add_test(std::span<const uint32_t>{ordered_}.subspan(done, size));
         done += size;
     }
