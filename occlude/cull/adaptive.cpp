@@ -411,8 +411,8 @@ void Adaptive::cull_frame(CullFrame& frame)
     finish_cut(frame, options_.seed);
     judge(frame);
     if (!culling_ && method_ == TestMethod::pyramid && probe_due(double{frame.plan().drawn_us})) {
-        probe(
-            frame); // too little was drawn to be worth a look meanwhile: is anything hidden at all?
+        // Too little was drawn to be worth a look meanwhile: is anything hidden at all?
+        probe(frame);
     }
 }
 

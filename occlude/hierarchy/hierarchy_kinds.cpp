@@ -33,9 +33,7 @@ constexpr HierarchyKind describe(std::string_view name, std::string_view summary
             summary,
             items_in_inner_nodes,
             [](std::span<const ItemBounds> items, uint32_t leaf_triangles) {
-                Options options;
-                options.leaf_triangles = leaf_triangles;
-                return kBuild(items, options);
+                return kBuild(items, *options_of<Options>(leaf_triangles, {}));
             },
             &describe_options<Options>,
             [](std::span<const ItemBounds> items, uint32_t leaf_triangles,
