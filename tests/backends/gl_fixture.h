@@ -10,6 +10,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -150,6 +151,23 @@ private:
     std::vector<GLsizei> counts_;
 };
 
+// World space is clip space in most tests: x, y, z from -1 to 1, near at z = -1, and the quarter
+// [-0.5, 0.5] in x and y is 32 x 32 = 1024 pixels.
+inline const View kFlatView = View::from_clip(glm::mat4{1.0f}, {64, 64});
+inline constexpr Aabb kMiddle{{-0.5f, -0.5f, 0.2f}, {0.5f, 0.5f, 0.4f}};
+inline constexpr Aabb kLeft{{-0.75f, -0.25f, 0.2f}, {-0.25f, 0.25f, 0.4f}};
+inline constexpr Aabb kRight{{0.25f, -0.25f, 0.2f}, {0.75f, 0.25f, 0.4f}};
+inline constexpr glm::vec2 kLow{-1.0f};
+inline constexpr glm::vec2 kHigh{1.0f};
+
+/// Three tests: of the left box, of the left and the right one, of the left one again.
+struct Unions {
+    std::array<QueryBox, 4> boxes{
+        {{kLeft, nullptr, {}}, {kLeft, nullptr, {}}, {kRight, nullptr, {}}, {kLeft, nullptr, {}}}};
+    std::array<uint32_t, 3> ends{1, 3, 4};
+};
+inline const Unions kUnions;
+
 /// Fails, and does not skip, without OpenGL. Every test must leave no OpenGL error behind.
 class GlFixture : public testing::Test {
 protected:
@@ -203,6 +221,17 @@ protected:
     }
 
     void draw(ItemId item) { device->draw({&item, 1}, DrawPass::shade); }
+
+    /// Runs `tests`; neither colour nor depth may change.
+    template <class Tests>
+    void expect_nothing_written_by(Tests tests)
+    {
+        const std::vector<float> depth_before = depths();
+        const std::vector<uint32_t> colors_before = scene->colors();
+        tests();
+        EXPECT_EQ(depths(), depth_before);
+        EXPECT_EQ(scene->colors(), colors_before);
+    }
 
     std::vector<float> depths(glm::ivec2 size = kSize)
     {
