@@ -7,8 +7,8 @@
 // left pays for the quotient (2 u of it) and for the rounding of the error itself.
 #include <occlude/core/detail/box_projector.h>
 
+#include <occlude/core/absolute.h>
 #include <occlude/core/assert.h>
-#include <occlude/core/detail/absolute.h>
 #include <occlude/core/detail/float4.h>
 
 #include <glm/common.hpp>

@@ -1,6 +1,6 @@
 #include <occlude/core/frustum.h>
 
-#include <occlude/core/detail/absolute.h>
+#include <occlude/core/absolute.h>
 #include <occlude/core/detail/float4.h>
 
 #include <glm/common.hpp>

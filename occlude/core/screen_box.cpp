@@ -1,6 +1,6 @@
 #include <occlude/core/screen_box.h>
 
-#include <occlude/core/detail/absolute.h>
+#include <occlude/core/absolute.h>
 #include <occlude/core/projection.h>
 
 #include <glm/common.hpp>

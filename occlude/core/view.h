@@ -2,7 +2,7 @@
 #pragma once
 
 #include <occlude/core/aabb.h>
-#include <occlude/core/detail/absolute.h>
+#include <occlude/core/absolute.h>
 #include <occlude/core/frustum.h>
 
 #include <glm/common.hpp>

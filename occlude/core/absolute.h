@@ -1,5 +1,5 @@
 // Absolute values without a jump: glm::abs compares and jumps, which costs most where signs are
-// random. Internal.
+// random.
 #pragma once
 
 #include <glm/vec3.hpp>
