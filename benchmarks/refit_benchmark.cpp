@@ -1,9 +1,11 @@
-// What it takes to follow moving objects: a full refit of a city of boxes, and refits of the moved
-// ones only, scattered all over the city or together in one quarter.
+// What it takes to follow moving objects: a full refit of a city of boxes, refits of the moved ones
+// only, scattered all over the city or together in one quarter, and their re-insertion into the
+// two-level tree.
 #include "city_boxes.h"
 
 #include <occlude/core/rng.h>
 #include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/two_level.h>
 
 #include <benchmark/benchmark.h>
 
@@ -51,10 +53,48 @@ void refit_moved(benchmark::State& state)
     }
 }
 
+// Each box is an object of one item. Every fifth of the moved ones goes far enough to leave its node.
+void reinsert_moved(benchmark::State& state)
+{
+    const auto count = static_cast<size_t>(state.range(0));
+    const auto moving = static_cast<size_t>(state.range(1));
+    std::vector<ItemBounds> items = city_boxes(count);
+    TwoLevelTree tree;
+    for (size_t i = 0; i < count; ++i) {
+        tree.add({.first_item = ItemId{i}, .local_boxes = {&items[i].box, 1}});
+    }
+    tree.update(items);
+    Rng rng(2);
+    std::vector<TwoLevelTree::Slot> moved(moving);
+    for (TwoLevelTree::Slot& slot : moved) {
+        slot = rng.below(static_cast<uint32_t>(count));
+    }
+    const uint64_t before = tree.relink_count();
+    float by = 1.0f;
+    for (auto _ : state) {
+        state.PauseTiming();
+        by = -by;
+        for (size_t i = 0; i < moving; ++i) {
+            shift(items[moved[i]], i % 5 == 0 ? by * 20.0f : by * 0.05f);
+        }
+        state.ResumeTiming();
+        for (const TwoLevelTree::Slot slot : moved) {
+            tree.move(slot, glm::mat4{1.0f}); // the boxes are those of the world
+        }
+        tree.update(items);
+    }
+    state.counters["relinks"] = benchmark::Counter(
+        static_cast<double>(tree.relink_count() - before), benchmark::Counter::kAvgIterations);
+}
+
 BENCHMARK(refit_all)->ArgName("boxes")->Arg(100'000)->Arg(1'000'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(refit_moved)
     ->ArgNames({"boxes", "moved", "together"})
     ->ArgsProduct({{1'000'000}, {1'000, 10'000, 100'000}, {0, 1}})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(reinsert_moved)
+    ->ArgNames({"boxes", "moved"})
+    ->ArgsProduct({{100'000, 1'000'000}, {1'000, 100'000}})
     ->Unit(benchmark::kMillisecond);
 
 } // namespace

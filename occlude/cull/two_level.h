@@ -2,7 +2,7 @@
 // tested in parallel where their boxes do not overlap on the screen, and the more rarely the longer
 // they have been visible.
 //
-// Implements  V. Kovalcik, P. Tobola, "Real-Time Rendering of Dynamic Scenes" (two-level BSP),
+// Implements  V. Kovalcik, P. Tobola, "Fast Rendering of Complex Dynamic Scenes",
 //             sections 3.3 and 3.4. The trees are hierarchy/two_level.h.
 // Map         Algorithm 2, rendering of a frame -> TwoLevel::cull_frame, finish_queries,
 //                                                  process_active

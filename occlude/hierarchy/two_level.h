@@ -1,7 +1,7 @@
 // Two-level tree for scenes whose objects move: a scene BSP over objects, and below each complex
 // object a local BSP over its parts, in the object's own space.
 //
-// Implements  V. Kovalcik, P. Tobola, "Real-Time Rendering of Dynamic Scenes" (two-level BSP),
+// Implements  V. Kovalcik, P. Tobola, "Fast Rendering of Complex Dynamic Scenes",
 //             sections 3.1 and 3.2, and the shrinking of boxes of 3.4.
 // Map         Figure 1, object partitioning     -> LocalTree, build_local_tree
 //             scene partitioning                -> TwoLevelTree::build_scene, choose_plane

@@ -1,6 +1,6 @@
 // Splits a mesh in space by an axis-aligned BSP, cutting the triangles that straddle its planes.
 //
-// Implements  V. Kovalcik, P. Tobola, "Real-Time Rendering of Dynamic Scenes" (two-level BSP),
+// Implements  V. Kovalcik, P. Tobola, "Fast Rendering of Complex Dynamic Scenes",
 //             section 3.1, object partitioning.
 // Map         "divided recursively by planes until the number of triangles drops below a threshold"
 //             -> split_triangles

@@ -16,9 +16,10 @@ namespace {
 std::vector<std::string> pairs(const std::string& algorithms, const std::string& hierarchies)
 {
     const auto contenders = choose_contenders(algorithms, {}, {}, References::if_asked);
-    const auto pairing = pair_with_hierarchies(*contenders, algorithms, hierarchies);
+    const auto trees = choose_hierarchies(hierarchies, {});
     std::vector<std::string> names;
-    for (const Contender& contender : pairing->contenders) {
+    for (const Contender& contender :
+         pair_with_hierarchies(*contenders, *trees, algorithms, hierarchies).contenders) {
         names.push_back(contender.name + "/" + contender.hierarchy);
     }
     return names;
@@ -51,18 +52,48 @@ TEST(PairWithHierarchies, WhatDoesNotSuitIsLeftOutWithANoteUnlessBothWereNamed)
     EXPECT_EQ(std::count(all.begin(), all.end(), "chc/bsp"), 1);
 
     const auto contenders = choose_contenders("exact", {}, {}, References::if_asked);
-    const auto pairing = pair_with_hierarchies(*contenders, "exact", "bvh,bsp,two_level");
-    ASSERT_EQ(pairing->notes.size(), 1u);
-    EXPECT_EQ(pairing->notes[0].rfind("batch_and_wait is left out on bsp, two_level: ", 0), 0u)
-        << pairing->notes[0];
+    const auto trees = choose_hierarchies("bvh,bsp,two_level", {});
+    const auto notes =
+        pair_with_hierarchies(*contenders, *trees, "exact", "bvh,bsp,two_level").notes;
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_EQ(notes[0].rfind("batch_and_wait is left out on bsp, two_level: ", 0), 0u) << notes[0];
 }
 
-TEST(PairWithHierarchies, AnUnknownKindIsNamedWithWhatThereIs)
+TEST(PairWithHierarchies, TreesOfOneKindWithOtherOptionsAreOthers)
 {
-    const auto pairing = pair_with_hierarchies({}, "all", "bvh,heap");
-    ASSERT_FALSE(pairing);
-    EXPECT_NE(pairing.error().message.find("'heap'"), std::string::npos);
-    EXPECT_NE(pairing.error().message.find("octree"), std::string::npos);
+    EXPECT_EQ(pairs("chc", "bvh,bvh:leaf_triangles=400"),
+              (Names{"chc/bvh", "chc/bvh:leaf_triangles=400"}));
+    const Names all = pairs("all", "bsp:split=median");
+    EXPECT_EQ(std::count(all.begin(), all.end(), "batch_and_wait/bsp:split=median"), 0);
+    EXPECT_EQ(std::count(all.begin(), all.end(), "chc/bsp:split=median"), 1);
+}
+
+TEST(ChooseHierarchies, OptionsOfAnEntryComeAfterThoseOfItsKind)
+{
+    const std::vector<std::string> sets{"bvh.leaf_triangles=7"};
+    const auto trees = choose_hierarchies("bvh,bvh:leaf_triangles=400:max_leaf_items=2", sets);
+    ASSERT_TRUE(trees) << trees.error().message;
+    ASSERT_EQ(trees->size(), 2u);
+    using Options = std::vector<OptionValue>;
+    EXPECT_EQ((*trees)[0].options, (Options{{"leaf_triangles", "7"}}));
+    EXPECT_EQ((*trees)[1].kind, "bvh");
+    EXPECT_EQ(
+        (*trees)[1].options,
+        (Options{{"leaf_triangles", "7"}, {"leaf_triangles", "400"}, {"max_leaf_items", "2"}}));
+}
+
+TEST(ChooseHierarchies, WhatIsWrongIsNamedWithWhatThereIs)
+{
+    const auto expect_error = [](std::string_view text, std::initializer_list<const char*> words) {
+        const auto trees = choose_hierarchies(text, {});
+        ASSERT_FALSE(trees) << text;
+        for (const char* word : words) {
+            EXPECT_NE(trees.error().message.find(word), std::string::npos) << trees.error().message;
+        }
+    };
+    expect_error("bvh,heap", {"'heap'", "octree"});
+    expect_error("bvh:leaf_triangles", {"'bvh:leaf_triangles'", "HIERARCHY:OPTION=VALUE"});
+    expect_error("bsp:splat=1", {"--hierarchy bsp:splat=1", "'splat'", "max_leaf_items"});
 }
 
 TEST(ChooseContenders, OneAlgorithmTakesPartSeveralTimesWithOptionsOfItsOwn)

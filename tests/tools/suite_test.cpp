@@ -261,7 +261,7 @@ TEST(SuiteCommand, MistakesAreNamedWithWhatWouldWork)
         EXPECT_EQ(run(arguments, &err), 2) << err;
         EXPECT_NE(err.find(words), std::string::npos) << err;
     };
-    refused({"--suite", "quik"}, "no suite 'quik'; choose from papers, quick");
+    refused({"--suite", "quik"}, "no suite 'quik'; choose from papers, quick, trees");
     refused({"--suite", "quick", "--scale", "huge"}, "no scale 'huge'; choose small or full");
     refused({"--suite", "quick", "--only", "moon"}, "no entry 'moon'; choose from city_street");
     refused({"--suite", "quick", "--frames", "3"}, "--frames: a suite decides this itself");

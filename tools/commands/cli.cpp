@@ -1,5 +1,6 @@
 #include "commands/cli.h"
 
+#include "commands/hierarchies.h"
 #include "suites/suite.h"
 
 #include <fmt/format.h>
@@ -62,7 +63,8 @@ void add_stage_options(CLI::App& app, RawStage& raw, bool several)
     StageOptions& stage = raw.stage;
     app.add_option("--hierarchy", stage.hierarchy,
                    "How the scene is organised: " + hierarchy_names() +
-                       (several ? "; several between commas, or all" : ""))
+                       (several ? "; several between commas, or all" : "") +
+                       "; NAME:OPTION=VALUE is one with its own option")
         ->capture_default_str();
     app.add_option("--device", raw.device,
                    "Who draws and tests: gl or cpu (default: gl, or cpu where there is no OpenGL)");

@@ -70,7 +70,7 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
             .device = session.device_name(),
             .api = session.renderer().api(),
             .renderer = session.renderer().renderer_name(),
-            .hierarchy = fmt::format("{}", fmt::join(session.hierarchy_kinds(), ", ")),
+            .hierarchy = fmt::format("{}", fmt::join(session.tree_labels(), ", ")),
             .test = options.stage.test,
             .path = path,
             .size = options.stage.size,
@@ -106,7 +106,11 @@ static Result<Pairing> choose_pairs(const CompareOptions& options, const DeviceC
     if (!contenders) {
         return contenders.error();
     }
-    return pair_with_hierarchies(*contenders, options.algorithms, options.stage.hierarchy);
+    const auto trees = choose_hierarchies(options.stage.hierarchy, options.stage.sets);
+    if (!trees) {
+        return trees.error();
+    }
+    return pair_with_hierarchies(*contenders, *trees, options.algorithms, options.stage.hierarchy);
 }
 
 Result<std::vector<Contender>> contenders_of(Session& session, const CompareOptions& options,

@@ -47,8 +47,15 @@ struct Choice {
 // "lazy_grid:update=busy": an algorithm, and options for this entry alone.
 Result<Choice> parse_choice(const std::string& text, const DeviceCaps& caps)
 {
-    const std::string name = text.substr(0, text.find(':'));
-    Choice choice{find_algorithm(name), text, {}};
+    const auto entry = parse_entry(text);
+    if (!entry) {
+        return Error{ErrorCode::invalid_argument,
+                     fmt::format("--algorithms: '{}' is not an algorithm with options; write "
+                                 "ALGORITHM:OPTION=VALUE, such as chc:threshold=20",
+                                 text)};
+    }
+    const std::string& name = entry->name;
+    const Choice choice{find_algorithm(name), text, entry->options};
     if (choice.info == nullptr) {
         return Error{ErrorCode::not_found,
                      fmt::format("--algorithms: there is no algorithm '{}'; choose all, exact, "
@@ -60,18 +67,6 @@ Result<Choice> parse_choice(const std::string& text, const DeviceCaps& caps)
                      fmt::format("--algorithms: {} reads the depth buffer, which the device "
                                  "'{}' does not offer; choose another --device",
                                  name, caps.name)};
-    }
-    for (size_t at = name.size(); at < text.size();) {
-        const size_t end = std::min(text.find(':', at + 1), text.size());
-        const auto set = parse_set(name + "." + text.substr(at + 1, end - at - 1));
-        if (!set) {
-            return Error{ErrorCode::invalid_argument,
-                         fmt::format("--algorithms: '{}' is not an algorithm with options; write "
-                                     "ALGORITHM:OPTION=VALUE, such as chc:threshold=20",
-                                     text)};
-        }
-        choice.options.emplace_back(set->option, set->value);
-        at = end;
     }
     return choice;
 }
@@ -145,7 +140,7 @@ Result<bool> check_settings(std::span<const std::string> sets, std::span<const C
                         [&](const HierarchyKind& kind) {
                             return tree_set_name(kind.name) == set->algorithm;
                         })) {
-            continue; // check_tree_settings
+            continue; // choose_hierarchies() checks it
         }
         if (find_algorithm(set->algorithm) == nullptr) {
             return Error{ErrorCode::not_found,
@@ -213,13 +208,10 @@ std::string left_out_note(const AlgorithmInfo& info, std::span<const std::string
 
 } // namespace
 
-Result<Pairing> pair_with_hierarchies(std::span<const Contender> contenders,
-                                      const std::string& algorithms, const std::string& hierarchies)
+Pairing pair_with_hierarchies(std::span<const Contender> contenders,
+                              std::span<const HierarchyChoice> trees, const std::string& algorithms,
+                              const std::string& hierarchies)
 {
-    const auto kinds = parse_hierarchies(hierarchies);
-    if (!kinds) {
-        return kinds.error();
-    }
     const std::vector<std::string> entries = split_commas(algorithms);
     const bool both_named =
         hierarchies != "all" && std::none_of(entries.begin(), entries.end(), is_group);
@@ -228,13 +220,13 @@ Result<Pairing> pair_with_hierarchies(std::span<const Contender> contenders,
         const AlgorithmInfo& info =
             *find_algorithm(contender.name.substr(0, contender.name.find(':')));
         std::vector<std::string> left_out;
-        for (const std::string& kind : *kinds) {
-            if (!both_named && !info.hierarchies.empty() && !suits(info, kind)) {
-                left_out.push_back(kind);
+        for (const HierarchyChoice& tree : trees) {
+            if (!both_named && !info.hierarchies.empty() && !suits(info, tree.kind)) {
+                left_out.push_back(tree.label);
                 continue;
             }
             pairing.contenders.push_back(contender);
-            pairing.contenders.back().hierarchy = kind;
+            pairing.contenders.back().hierarchy = tree.label;
             if (info.hierarchies.empty()) {
                 break;
             }

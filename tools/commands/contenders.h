@@ -1,6 +1,7 @@
 // From --algorithms and --set to algorithms that can be made.
 #pragma once
 
+#include "commands/hierarchies.h"
 #include "commands/options.h"
 #include "measure/stage.h"
 #include "measure/timing_device.h"
@@ -22,14 +23,14 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
 
 /// Which algorithms meet which hierarchies: what --algorithms and --hierarchy say.
 struct Pairing {
-    std::vector<Contender> contenders; ///< with the kind of hierarchy, yet without its tree
+    std::vector<Contender> contenders; ///< with the label of a hierarchy, yet without its tree
     std::vector<std::string> notes;    ///< sentences about what was left out
 };
-/// Each contender on each kind of `hierarchies`, by algorithm and then by kind. What makes no use
-/// of nodes runs once, on the first kind. A pair that does not suit (AlgorithmInfo::hierarchies)
-/// takes part only if both were named, `algorithms` and `hierarchies` being what the user typed.
-Result<Pairing> pair_with_hierarchies(std::span<const Contender> contenders,
-                                      const std::string& algorithms,
-                                      const std::string& hierarchies);
+/// Each contender on each of `trees`, by algorithm and then by tree. What makes no use of nodes
+/// runs once, on the first. A pair that does not suit (AlgorithmInfo::hierarchies) takes part only
+/// if both were named, `algorithms` and `hierarchies` being what the user typed.
+Pairing pair_with_hierarchies(std::span<const Contender> contenders,
+                              std::span<const HierarchyChoice> trees, const std::string& algorithms,
+                              const std::string& hierarchies);
 
 } // namespace occlude::tools

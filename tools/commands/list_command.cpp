@@ -1,5 +1,6 @@
 #include "commands/commands.h"
 
+#include "commands/hierarchies.h"
 #include "report/table.h"
 #include "scenes/scene_source.h"
 

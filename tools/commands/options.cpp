@@ -1,8 +1,5 @@
 #include "commands/options.h"
 
-#include <occlude/cull/registry.h>
-#include <occlude/hierarchy/hierarchy_kinds.h>
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -72,77 +69,20 @@ Result<SetOption> parse_set(std::string_view text)
                      std::string{text.substr(equals + 1)}};
 }
 
-std::string tree_set_name(std::string_view kind)
+std::optional<NamedEntry> parse_entry(std::string_view text)
 {
-    const std::string name{kind};
-    return find_algorithm(name) == nullptr ? name : name + "_tree";
-}
-
-std::vector<OptionValue> tree_settings(std::string_view kind, std::span<const std::string> sets)
-{
-    std::vector<OptionValue> values;
-    for (const std::string& text : sets) {
-        const auto set = parse_set(text);
-        if (set && set->algorithm == tree_set_name(kind)) {
-            values.emplace_back(set->option, set->value);
+    NamedEntry entry{std::string{text.substr(0, text.find(':'))}, {}};
+    for (size_t at = entry.name.size(); at < text.size();) {
+        const size_t end = std::min(text.find(':', at + 1), text.size());
+        const std::string_view part = text.substr(at + 1, end - at - 1);
+        const size_t equals = part.find('=');
+        if (equals == std::string_view::npos || equals == 0) {
+            return std::nullopt;
         }
+        entry.options.emplace_back(part.substr(0, equals), part.substr(equals + 1));
+        at = end;
     }
-    return values;
-}
-
-Result<bool> check_tree_settings(std::span<const std::string> sets,
-                                 std::span<const std::string> kinds)
-{
-    for (const HierarchyKind& kind : hierarchy_kinds()) {
-        const std::vector<OptionValue> values = tree_settings(kind.name, sets);
-        if (values.empty()) {
-            continue;
-        }
-        if (std::find(kinds.begin(), kinds.end(), kind.name) == kinds.end()) {
-            return Error{ErrorCode::invalid_argument,
-                         fmt::format("--set {}.{}: the hierarchy {} does not take part; name it in "
-                                     "--hierarchy",
-                                     tree_set_name(kind.name), values.front().first, kind.name)};
-        }
-        if (const auto tree = kind.build_with({}, 0, values); !tree) {
-            return Error{tree.error().code, fmt::format("--set {}: {}", tree_set_name(kind.name),
-                                                        tree.error().message)};
-        }
-    }
-    return true;
-}
-
-std::string hierarchy_names()
-{
-    std::string names;
-    for (const HierarchyKind& kind : hierarchy_kinds()) {
-        names += names.empty() ? "" : ", ";
-        names += kind.name;
-    }
-    return names;
-}
-
-Result<std::vector<std::string>> parse_hierarchies(std::string_view text)
-{
-    std::vector<std::string> kinds;
-    if (text == "all") {
-        for (const HierarchyKind& kind : hierarchy_kinds()) {
-            kinds.emplace_back(kind.name);
-        }
-        return kinds;
-    }
-    for (std::string& name : split_commas(text)) {
-        if (find_hierarchy_kind(name) == nullptr) {
-            return Error{ErrorCode::unsupported,
-                         fmt::format("--hierarchy: '{}' is not available in this version; choose "
-                                     "all, or from: {}",
-                                     name, hierarchy_names())};
-        }
-        if (std::find(kinds.begin(), kinds.end(), name) == kinds.end()) {
-            kinds.push_back(std::move(name));
-        }
-    }
-    return kinds;
+    return entry;
 }
 
 std::vector<std::string> split_commas(std::string_view text)

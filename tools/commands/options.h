@@ -11,7 +11,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,7 +19,7 @@ namespace occlude::tools {
 
 /// Which scene, how it is organised and who draws it: the same for every command.
 struct StageOptions {
-    std::string hierarchy = "bvh";     ///< for bench and verify also several, or "all"
+    std::string hierarchy = "bvh";     ///< hierarchies.h; bench and verify take several
     std::optional<std::string> device; ///< empty: gl, or cpu where there is no OpenGL
     std::string test = "queries";
     std::string path = "auto";
@@ -107,23 +106,13 @@ struct SetOption {
 };
 Result<SetOption> parse_set(std::string_view text);
 
-/// "bvh, bsp": the names that --hierarchy takes.
-std::string hierarchy_names();
-
-/// How --set names a kind of hierarchy: by its name, or as NAME_tree where an algorithm has that name.
-std::string tree_set_name(std::string_view kind);
-
-/// The settings of `sets` for this kind of hierarchy.
-std::vector<OptionValue> tree_settings(std::string_view kind, std::span<const std::string> sets);
-
-/// Whether the settings for hierarchies are right. Errors name the unknown option and what there is,
-/// or the hierarchy that is not among `kinds`. Settings for others (algorithms) are left alone.
-Result<bool> check_tree_settings(std::span<const std::string> sets,
-                                 std::span<const std::string> kinds);
-
-/// What --hierarchy names: kinds between commas, each once, in that order, or "all". Errors name
-/// the unknown one and what there is.
-Result<std::vector<std::string>> parse_hierarchies(std::string_view text);
+/// "lazy_grid:update=busy": one of a list, with options of its own.
+struct NamedEntry {
+    std::string name;
+    std::vector<OptionValue> options;
+};
+/// Nothing if what follows the name is not OPTION=VALUE between colons.
+std::optional<NamedEntry> parse_entry(std::string_view text);
 
 /// The parts between commas; empty parts are kept.
 std::vector<std::string> split_commas(std::string_view text);

@@ -46,12 +46,8 @@ Result<bool> check_stage_options(const StageOptions& options)
                      fmt::format("{}: '{}' is not available in this version; choose {}", option,
                                  value, choices)};
     };
-    const auto kinds = parse_hierarchies(options.hierarchy);
-    if (!kinds) {
-        return kinds.error();
-    }
-    if (const auto checked = check_tree_settings(options.sets, *kinds); !checked) {
-        return checked.error();
+    if (const auto trees = choose_hierarchies(options.hierarchy, options.sets); !trees) {
+        return trees.error();
     }
     if (!test_method(options.test)) {
         return unknown("--test", options.test, "queries, raster or pyramid");
@@ -76,7 +72,7 @@ Result<bool> check_one_hierarchy(const StageOptions& options)
     if (const auto checked = check_stage_options(options); !checked) {
         return checked.error();
     }
-    if (parse_hierarchies(options.hierarchy)->size() > 1) {
+    if (choose_hierarchies(options.hierarchy, options.sets)->size() > 1) {
         return Error{ErrorCode::invalid_argument,
                      fmt::format("--hierarchy: '{}' is more than one, and only bench and verify "
                                  "take several; choose from: {}",
@@ -85,21 +81,22 @@ Result<bool> check_one_hierarchy(const StageOptions& options)
     return true;
 }
 
-Session::Session(SceneModel model, const StageOptions& options, std::span<const std::string> kinds)
+Session::Session(SceneModel model, const StageOptions& options,
+                 std::span<const HierarchyChoice> trees)
     : options_(options)
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
 {
     const Clock clock = steady_clock();
     const double start = clock();
-    for (const std::string& kind : kinds) {
+    for (const HierarchyChoice& choice : trees) {
         auto tree = std::make_unique<Tree>();
-        tree->kind = kind;
-        if (kind == kTwoLevel) { // knows of objects, not only of items
-            tree->two_level = std::make_unique<TwoLevelScene>(two_level_tree_options());
+        tree->choice = choice;
+        if (choice.kind == kTwoLevel) { // knows of objects, not only of items
+            tree->two_level = std::make_unique<TwoLevelScene>(options_of_two_level(choice));
             tree->two_level->sync(scene_.scene);
         } else {
-            tree->flat = build(kind, scene_.scene.item_bounds());
+            tree->flat = build(choice, scene_.scene.item_bounds());
         }
         trees_.push_back(std::move(tree));
     }
@@ -116,29 +113,29 @@ Preparation Session::preparation() const
     return preparation;
 }
 
-const Hierarchy* Session::tree(std::string_view kind) const
+const Hierarchy* Session::tree(std::string_view label) const
 {
     for (const auto& tree : trees_) {
-        if (tree->kind == kind) {
+        if (tree->choice.label == label) {
             return &tree->hierarchy();
         }
     }
     return nullptr;
 }
 
-std::vector<std::string> Session::hierarchy_kinds() const
+std::vector<std::string> Session::tree_labels() const
 {
-    std::vector<std::string> kinds;
+    std::vector<std::string> labels;
     for (const auto& tree : trees_) {
-        kinds.push_back(tree->kind);
+        labels.push_back(tree->choice.label);
     }
-    return kinds;
+    return labels;
 }
 
-// The settings were checked by check_stage_options().
-TwoLevelOptions Session::two_level_tree_options() const
+// choose_hierarchies() has checked the options, here and in build().
+TwoLevelOptions Session::options_of_two_level(const HierarchyChoice& choice) const
 {
-    return *two_level_options(options_.leaf_triangles, tree_settings(kTwoLevel, options_.sets));
+    return *two_level_options(options_.leaf_triangles, choice.options);
 }
 
 void Session::make_motion()
@@ -157,17 +154,17 @@ void Session::make_motion()
 std::unique_ptr<MovingTree> Session::make_moving(Tree& tree) const
 {
     if (tree.two_level) {
-        return std::make_unique<RelinkedTree>(*tree.two_level, two_level_tree_options());
+        return std::make_unique<RelinkedTree>(*tree.two_level, options_of_two_level(tree.choice));
     }
     return std::make_unique<RefittedTree>(
         tree.flat, scene_.scene,
-        [this, kind = std::string_view{tree.kind}](auto items) { return build(kind, items); });
+        [this, &choice = tree.choice](auto items) { return build(choice, items); });
 }
 
-Hierarchy Session::build(std::string_view kind, std::span<const ItemBounds> items) const
+Hierarchy Session::build(const HierarchyChoice& choice, std::span<const ItemBounds> items) const
 {
-    return *find_hierarchy_kind(kind)->build_with(items, options_.leaf_triangles,
-                                                  tree_settings(kind, options_.sets));
+    return *find_hierarchy_kind(choice.kind)
+                ->build_with(items, options_.leaf_triangles, choice.options);
 }
 
 Stage Session::stage()
@@ -239,8 +236,8 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
             return movers.error();
         }
     }
-    std::unique_ptr<Session> session{
-        new Session{std::move(*model), options, *parse_hierarchies(options.hierarchy)}};
+    std::unique_ptr<Session> session{new Session{
+        std::move(*model), options, *choose_hierarchies(options.hierarchy, options.sets)}};
     session->preparation_.load_seconds = load_seconds;
     if (const auto made = session->make_renderer(notes); !made) {
         return made.error();

@@ -1,6 +1,7 @@
 // A scene that is loaded, organised and ready to be drawn.
 #pragma once
 
+#include "commands/hierarchies.h"
 #include "commands/options.h"
 #include "measure/motion_player.h"
 #include "measure/stage.h"
@@ -22,12 +23,12 @@ public:
 
     const SceneModel& model() const { return model_; }
     const CullScene& scene() const { return scene_; }
-    /// The tree of the first kind of hierarchy that was chosen.
+    /// The first of the trees that were chosen.
     const Hierarchy& hierarchy() const { return trees_.front()->hierarchy(); }
-    /// The tree of a kind; null if it was not chosen. Valid as long as the session.
-    const Hierarchy* tree(std::string_view kind) const;
-    /// The kinds that were chosen, in their order.
-    std::vector<std::string> hierarchy_kinds() const;
+    /// The tree of an entry of --hierarchy; null if there is none. Valid as long as the session.
+    const Hierarchy* tree(std::string_view label) const;
+    /// The entries of --hierarchy, in their order.
+    std::vector<std::string> tree_labels() const;
     SceneRenderer& renderer() { return *renderer_; }
     /// "gl" or "cpu".
     const std::string& device_name() const { return device_name_; }
@@ -50,20 +51,20 @@ public:
 private:
     // One of the chosen hierarchies, at a fixed place in memory.
     struct Tree {
-        std::string kind;
+        HierarchyChoice choice;
         Hierarchy flat;
         std::unique_ptr<TwoLevelScene> two_level; ///< instead of `flat`, if that is the kind
 
         const Hierarchy& hierarchy() const { return two_level ? two_level->hierarchy() : flat; }
     };
 
-    Session(SceneModel model, const StageOptions& options, std::span<const std::string> kinds);
+    Session(SceneModel model, const StageOptions& options, std::span<const HierarchyChoice> trees);
     Result<bool> make_renderer(std::ostream& notes);
     Result<bool> choose_test();
-    TwoLevelOptions two_level_tree_options() const;
+    TwoLevelOptions options_of_two_level(const HierarchyChoice& choice) const;
     void make_motion();
     std::unique_ptr<MovingTree> make_moving(Tree& tree) const;
-    Hierarchy build(std::string_view kind, std::span<const ItemBounds> items) const;
+    Hierarchy build(const HierarchyChoice& choice, std::span<const ItemBounds> items) const;
 
     StageOptions options_;
     SceneModel model_;

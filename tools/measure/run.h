@@ -61,12 +61,12 @@ struct AlgorithmRun {
     std::string algorithm;
     Guarantee guarantee;              ///< the weakest of all frames
     std::vector<FrameFigures> frames; ///< those that were measured, in order
-    std::string hierarchy = {};       ///< the kind it ran on; empty: nobody said
+    std::string hierarchy = {};       ///< what it ran on, as in --hierarchy; empty: nobody said
     /// It asked whether answers had come: its decisions may depend on when they do.
     bool polled = false;
 };
 
-/// True if the runs are on more than one kind of hierarchy, so that reports must tell them apart.
+/// True if the runs are on more than one hierarchy, so that reports must tell them apart.
 bool on_several_hierarchies(std::span<const AlgorithmRun> runs);
 /// "chc on bsp" if `with_hierarchy` and there is one, else "chc".
 std::string run_label(const AlgorithmRun& run, bool with_hierarchy);

@@ -37,7 +37,7 @@ inline void set_frame(const Stage& stage, size_t frame)
 struct Contender {
     std::string name; ///< of the algorithm, with a label if there are several runs of it
     std::function<Result<std::unique_ptr<Culler>>(const Hierarchy&)> make;
-    std::string hierarchy = {};      ///< its kind, for reports
+    std::string hierarchy = {};      ///< as in --hierarchy, for reports
     const Hierarchy* tree = nullptr; ///< null: that of the stage
     bool remembers = true;           ///< AlgorithmInfo::remembers: it must see every frame
 };

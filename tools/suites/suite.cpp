@@ -14,11 +14,13 @@ std::string_view to_string(Scale scale)
 
 std::span<const Suite> suites()
 {
-    static constexpr std::array<Suite, 2> kSuites{
+    static constexpr std::array<Suite, 3> kSuites{
         Suite{"papers", "the experiments of the papers, beside their published figures",
               papers_entries, true},
         Suite{"quick", "all algorithms on small scenes, every pixel compared: about a minute",
-              quick_entries, false}};
+              quick_entries, false},
+        Suite{"trees", "kinds of trees and sizes of leaves, beside each other", trees_entries,
+              false}};
     return kSuites;
 }
 

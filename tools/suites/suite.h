@@ -39,7 +39,7 @@ std::span<const Suite> suites();
 /// The suite of that name, or null.
 const Suite* find_suite(std::string_view name);
 
-/// "papers, quick".
+/// "papers, quick, trees".
 std::string suite_names();
 
 } // namespace occlude::tools
