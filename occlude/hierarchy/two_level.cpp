@@ -14,6 +14,8 @@ namespace occlude {
 namespace {
 
 constexpr uint32_t kMaxDepth = 48;
+/// So many objects to one that is drawn where it was and no longer is linked.
+constexpr size_t kObjectsPerStaleLink = 64;
 /// Planes are tried at this many places per axis.
 constexpr size_t kCandidates = 15;
 
@@ -336,9 +338,9 @@ void TwoLevelTree::relink(Slot slot)
             mark_restless(from);
             unlink(slot);
             ++relinks_;
+            ++stale_links_;
         }
         link(slot, home);
-        layout_stale_ = true;
     }
     mark_restless(home);
 }
@@ -487,13 +489,19 @@ bool TwoLevelTree::needs_rebuild(const SceneNode& node) const
            std::max(allowed, static_cast<float>(options_.leaf_objects));
 }
 
+bool TwoLevelTree::links_are_stale() const
+{
+    return stale_links_ > scene_[kRoot].subtree_objects / kObjectsPerStaleLink;
+}
+
 // Rebuilds at most one subtree: of those that need it the one with the most changes, the upper one
 // of equals, which takes care of those below it.
 void TwoLevelTree::reconstruct()
 {
-    if (updates_ % options_.rebuild_period != 1 % options_.rebuild_period) {
+    if (updates_ < reconstruct_at_) {
         return;
     }
+    reconstruct_at_ = updates_ + options_.rebuild_period;
     uint32_t worst = kNone;
     uint32_t most_changes = 0;
     walk_.assign(1, kRoot);
@@ -618,6 +626,7 @@ void TwoLevelTree::lay_out(std::span<const ItemBounds> bounds)
     local_of_ = std::move(layout.local_of);
     object_of_ = std::move(layout.object_of);
     layout_stale_ = false;
+    stale_links_ = 0;
     if (lineage_ == 0) {
         lineage_ = hierarchy_.structure_version();
     }
@@ -676,8 +685,10 @@ void TwoLevelTree::update(std::span<const ItemBounds> bounds_by_item)
     if (anything) {
         restless_until_ = updates_ + options_.quiet_frames;
     }
-    reconstruct();
-    if (layout_stale_) {
+    if (layout_stale_ || links_are_stale() || !anything) {
+        reconstruct();
+    }
+    if (layout_stale_ || links_are_stale()) {
         lay_out(bounds_by_item);
     } else if (anything || updates_ <= restless_until_) {
         TwoLevelNodes info = hierarchy_.take_two_level();

@@ -9,15 +9,17 @@
 //             lazy reconstruction               -> TwoLevelTree::reconstruct
 //             shrinking of boxes                -> TwoLevelOptions::quiet_frames, scene_test_box
 // Deviations  The papers name no criteria: a subtree is rebuilt when the links changed in it exceed a
-//             share of its objects. The tree is handed out as an ordinary Hierarchy, laid out anew
-//             when an object was relinked, so that every algorithm runs on it; its boxes are tight in
-//             every frame, because drawing needs them so. Only the boxes to be tested can be the
+//             share of its objects. The tree is handed out as an ordinary Hierarchy, so that every
+//             algorithm runs on it, and laid out anew when more than one in 64 objects were relinked:
+//             until then they are drawn where they were. Its boxes are tight in every frame, because
+//             drawing needs them so. Only the boxes to be tested can be the
 //             cells of a restless node (quiet_frames). A large object of one item is complex too: a
 //             local tree of one node, tested by itself wherever the object is linked.
 // Guarantees  The hierarchy is valid() and its boxes bound the items as update() was told, wherever
 //             the objects are linked. Deterministic.
-// Cost        update(): O(moved objects * depth) to relink, O(items + nodes) to lay out or refit if
-//             anything moved, O(m log m) for the one rebuilt subtree of m objects.
+// Cost        update(): O(moved objects * depth) to relink, O(items + nodes) to refit if anything
+//             moved, several times that to lay out, O(m log m) for the one rebuilt subtree of m
+//             objects.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>
@@ -61,7 +63,8 @@ struct TwoLevelOptions {
     uint32_t leaf_objects = 1;
     /// Nodes of either level with at most this many triangles become virtual leaves; 0: none do.
     uint32_t leaf_triangles = 1024;
-    /// Every this many updates, the subtree of the scene tree that needs it most is rebuilt.
+    /// Every this many updates, the subtree of the scene tree that needs it most is rebuilt: with the
+    /// next layout, or when nothing moves.
     uint32_t rebuild_period = 4;
     /// A subtree needs it when the links changed in it since it was built are more than this share
     /// of its objects.
@@ -153,6 +156,7 @@ private:
     void count_change(uint32_t from, uint32_t to);
     void mark_restless(uint32_t node);
 
+    bool links_are_stale() const;
     void reconstruct();
     bool needs_rebuild(const SceneNode& node) const;
     void rebuild(uint32_t node);
@@ -183,10 +187,12 @@ private:
     std::vector<uint32_t> object_of_; ///< ... of this object
     uint64_t lineage_ = 0;
     uint64_t updates_ = 0;
+    uint64_t reconstruct_at_ = 1; ///< the first update that looks for a subtree to rebuild
     uint64_t restless_until_ = 0; ///< the last update at which some test box may still change
     uint64_t relinks_ = 0;
     uint64_t rebuilds_ = 0;
     bool layout_stale_ = true;
+    size_t stale_links_ = 0; ///< relinks since the tree was laid out
 };
 
 /// The two-level tree of objects of one item each that stand still, for where nobody knows of

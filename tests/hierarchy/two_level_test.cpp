@@ -186,6 +186,29 @@ TEST(TwoLevelTree, AMovedObjectIsRelinkedAndItsNodesKeepTheirKeys)
     EXPECT_EQ(key_of(9), other);
 }
 
+TEST(TwoLevelTree, TheLayoutWaitsForOneIn64ObjectsToBeRelinked)
+{
+    World world({.leaf_triangles = 0, .rebuild_period = 1000});
+    std::vector<TwoLevelTree::Slot> slots;
+    for (int i = 0; i < 200; ++i) {
+        slots.push_back(world.add({3.0f * static_cast<float>(i), 0, 0}));
+    }
+    world.update();
+    const uint64_t version = world.tree.hierarchy().structure_version();
+    for (size_t moved = 0; moved < 4; ++moved) { // to the other end
+        EXPECT_EQ(world.tree.hierarchy().structure_version(), version);
+        const NodeId old = world.node_of(static_cast<uint32_t>(moved));
+        world.move(slots[moved], at(597.0f - 3.0f * static_cast<float>(moved), 0, 0));
+        world.update();
+        EXPECT_EQ(world.tree.relink_count(), moved + 1);
+        EXPECT_EQ(world.tree.check(), "");
+        if (moved < 3) {
+            EXPECT_EQ(world.node_of(static_cast<uint32_t>(moved)), old);
+        }
+    }
+    EXPECT_NE(world.tree.hierarchy().structure_version(), version);
+}
+
 TEST(TwoLevelTree, ASubtreeWhoseLinksHaveChangedEnoughIsRebuilt)
 {
     World world({.leaf_triangles = 0, .rebuild_period = 1});
