@@ -17,6 +17,7 @@ namespace {
 constexpr glm::vec4 kBackground{0.55f, 0.68f, 0.82f, 1.0f};
 constexpr uint32_t kNoItem = 0xffffffffu;
 constexpr int kClipControlVersion = 45;
+constexpr float kSnapsPerPixel = 256.0f; // see kPosition in gl_shaders.h
 
 // A light from above, oblique to the axes so that the faces of a box differ.
 glm::vec3 direction_toward_light(const glm::vec3& up)
@@ -240,6 +241,8 @@ void GlRenderer::use_camera(const gl::GlProgram& program) const
     glUseProgram(program.name());
     glUniformMatrix4fv(glGetUniformLocation(program.name(), "clip_from_world"), 1, GL_FALSE,
                        glm::value_ptr(view_.clip_from_world()));
+    const glm::vec2 snaps = 0.5f * kSnapsPerPixel * glm::vec2{view_.size_px()};
+    glUniform2fv(glGetUniformLocation(program.name(), "snaps"), 1, &snaps.x);
 }
 
 void GlRenderer::begin_frame(const View& view)

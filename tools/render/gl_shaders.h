@@ -7,6 +7,11 @@
 namespace occlude::tools::shaders {
 
 /// Ends inside main(), which the passes continue.
+///
+/// Vertices are put on the grid of 1/256 pixel to which rasterisers snap them. A triangle seen
+/// edge-on covers samples only because it is snapped, and llvmpipe takes depths from the plane
+/// through the vertices as they came: steep, and extrapolated, so that a sample ended up far nearer
+/// than the triangle, and than every box around it. On the grid both planes are the same.
 inline const std::string kPosition = R"(#version 330 core
 layout(location = 0) in vec3 position_mesh;
 layout(location = 1) in vec3 normal_mesh;
@@ -16,6 +21,7 @@ layout(location = 4) in vec4 world_row_2;
 layout(location = 5) in vec4 base_color; // alpha: opacity
 layout(location = 6) in uint id;
 uniform mat4 clip_from_world;
+uniform vec2 snaps; // from the middle of the target to its right and upper edge
 invariant gl_Position;
 out vec3 normal;
 flat out vec4 color;
@@ -26,6 +32,9 @@ void main()
     vec4 p = vec4(position_mesh, 1.0);
     vec3 world = vec3(dot(world_row_0, p), dot(world_row_1, p), dot(world_row_2, p));
     gl_Position = clip_from_world * vec4(world, 1.0);
+    if (gl_Position.w > 0.0) {
+        gl_Position.xy = round(gl_Position.xy / gl_Position.w * snaps) * (gl_Position.w / snaps);
+    }
 )";
 
 inline const std::string kDepthVertex = kPosition + "}\n";
