@@ -16,9 +16,8 @@ constexpr double kNextReadAfter = 4.0;
 // meanwhile. It should hide so many times its cost.
 constexpr double kWellWorth = 8.0;
 
-// Frames in which depth is read once more, from a device at rest, to learn what that costs; only the
-// first of them if it costs far more than was thought.
-constexpr size_t kCostReads = 3;
+// Frames in which depth is read once more, from a device at rest, to learn what that costs: only one
+// if it costs so many times what was thought.
 constexpr double kFarMore = 4.0;
 
 // A probe that takes more than this part of a frame comes at most once in kRareProbe frames, so that
@@ -38,6 +37,9 @@ constexpr double kForget = 0.25;
 // How the chance of being hidden follows the answers, and how low it can fall.
 constexpr double kShareStep = 1.0 / 64.0;
 constexpr double kLeastShare = 0.02;
+
+// How many frames ahead a test may pay.
+constexpr double kForesight = 16.0;
 
 // Texels that the test of a box may look at, for each microsecond that drawing it costs: at some 10
 // ns each, a quarter of that. At most so many, and not at all for fewer than the last.
@@ -82,21 +84,25 @@ void Adaptive::reset_state()
     frames_since_probe_ = kRareProbe; // none yet: one may come at once
     saved_per_spent_ = 0.0;
     hidden_share_ = 0.5;
+    tests_per_kept_ = 0.2;
 }
 
 // --- shared --------------------------------------------------------------------------------------
 
-// QueryReasonable for what was not visible: what the test would hide is more than it costs.
-bool Adaptive::worth_testing(const Entry& entry, double probability) const
+// What a test of something of which nothing is known will save, in this frame and, by queries, as
+// long as it probably stays hidden.
+double Adaptive::hoped_us(const Entry& entry) const
 {
-    return probability * draw_us(entry) > costs_.round(method_).us_per_test;
+    const double draw = draw_us(entry);
+    const double stays = method_ == TestMethod::queries ? keep_table_.keep_probability(1) : 0.0;
+    const double later_frames = std::min(stays / (1.0 - stays), kForesight);
+    return hidden_share_ * (draw + later_frames * std::max(draw - kept_us(), 0.0));
 }
 
-// What is drawn for less than two tests cost is not tested in parts.
+// What is drawn for less than two tests cost, once its parts stay hidden, is not tested in parts.
 bool Adaptive::opens(NodeId node) const
 {
-    return has_parts(node) &&
-           costs_.draw_us(hierarchy().node(node)) >= 2.0 * costs_.round(method_).us_per_test;
+    return has_parts(node) && costs_.draw_us(hierarchy().node(node)) >= 2.0 * kept_us();
 }
 
 // As many as cost a part of what drawing would.
@@ -124,6 +130,16 @@ bool Adaptive::merges(CullFrame& frame, NodeId node)
 
 // --- the plan ------------------------------------------------------------------------------------
 
+// What the tests of a frame would cost by a method: as many as the last frame made, or a few.
+double Adaptive::expected_us(TestMethod method) const
+{
+    constexpr double kFewTests = 64.0;
+    constexpr double kRounds = 1.5; // of tests on the device: some reveal others
+    const RoundCost cost = costs_.round(method);
+    return (method == TestMethod::pyramid ? 1.0 : kRounds) * cost.us_per_round +
+           std::max(tests_last_frame_, kFewTests) * cost.us_per_test;
+}
+
 TestMethod Adaptive::choose_method() const
 {
     switch (options_.method) {
@@ -137,20 +153,14 @@ TestMethod Adaptive::choose_method() const
     case AdaptiveOptions::Method::automatic:
         break;
     }
-    // What the tests of a frame would cost by each: as many as the last frame made, or a few.
-    constexpr double kFewTests = 64.0;
-    constexpr double kRounds = 1.5; // of tests on the device: some reveal others
     constexpr double kSwitch = 0.7; // a change of method starts from nothing
-    const double tests = std::max(tests_last_frame_, kFewTests);
     TestMethod best = method_;
-    double best_us = costs_.has(method_) ? kSwitch * costs_.round(method_).of(tests) : 0.0;
+    double best_us = costs_.has(method_) ? kSwitch * expected_us(method_) : 0.0;
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
         if (!costs_.has(method) || (costs_.has(method_) && method == method_)) {
             continue;
         }
-        const double rounds = method == TestMethod::pyramid ? 1.0 : kRounds;
-        const RoundCost cost = costs_.round(method);
-        const double us = rounds * cost.us_per_round + tests * cost.us_per_test;
+        const double us = expected_us(method);
         if (!costs_.has(best) || us < best_us) {
             best = method;
             best_us = us;
@@ -166,7 +176,6 @@ void Adaptive::start_frame(CullFrame& frame)
     const TestMethod method = choose_method();
     if (method != method_) {
         method_ = method;
-        cut_.clear(); // its grain was that of the other method
         late_.clear();
         last_probe_us_ = 0.0;
         frames_since_probe_ = kRareProbe;
@@ -180,6 +189,7 @@ void Adaptive::start_frame(CullFrame& frame)
     tests_ = 0.0;
     spent_us_ = 0.0;
     hidden_units_ = 0.0;
+    measured_ = false;
     depth_.start_frame();
     units_at_read_ = 0.0;
     hidden_at_read_ = 0.0;
@@ -273,15 +283,16 @@ bool Adaptive::read_depth(CullFrame& frame)
 // The device is at rest: what does reading all of the target cost?
 void Adaptive::measure_read(CullFrame& frame)
 {
-    const size_t measured = costs_.rounds_measured(TestMethod::pyramid);
-    const bool dear = measured > 0 && costs_.round(TestMethod::pyramid).us_per_round >
-                                          kFarMore * costs_.hint(TestMethod::pyramid).us_per_round;
-    if (!clock_ || measured >= kCostReads || dear) {
+    const bool dear = costs_.rounds_measured(TestMethod::pyramid) > 0 &&
+                      costs_.round(TestMethod::pyramid).us_per_round >
+                          kFarMore * costs_.hint(TestMethod::pyramid).us_per_round;
+    if (!clock_ || measured_ || dear || costs_.least_known(TestMethod::pyramid).tests == 0) {
         return;
     }
+    measured_ = true;
     const double from = now();
     depth_.read(frame);
-    costs_.tested(TestMethod::pyramid, 1, now() - from);
+    costs_.tested(TestMethod::pyramid, 1, 1, now() - from);
 }
 
 // While things are revealed: when so much waits to be drawn that it could hide the rest.
@@ -322,7 +333,8 @@ void Adaptive::by_pyramid(CullFrame& frame)
     }
     const size_t tests = candidates_.size() + expected_.size();
     if (clock_ && tests >= kLeastTests) {
-        costs_.tested(method_, tests + 1, costs_.round(method_).us_per_round + testing_us);
+        costs_.tested(method_, tests + 1, tests + 1,
+                      costs_.round(method_).us_per_round + testing_us);
     }
     tests_ += static_cast<double>(tests);
     spent_us_ += tests_ * costs_.round(method_).us_per_test;

@@ -15,12 +15,15 @@
 //             c_bb, c_scr, p_cov, p_occ         -> coverage.h
 //             t_render, t_query                 -> cost_model.h
 //             QueryReasonable                   -> worth_testing, retest_reasonable
-// Deviations  Costs are measured in running frames (cost_model.h). Besides queries there are cheaper
-//             tests, and the method is chosen by its cost. A whole view is not tested at all where
-//             that would cost more than it hides: then frames are those of frustum culling, and a
-//             probe now and then (a test of the finished frame, at most `probe_share` of the time)
-//             finds out whether that has changed. The traversal starts from the cut of the last
-//             frame, not from the root (hierarchy_cut.h).
+// Deviations  Costs are measured in running frames (cost_model.h). What is hidden shares queries
+//             later, so what it may save is counted less its share of one, and over as many frames
+//             as it probably stays hidden; the gain of testing what is visible is not divided by a
+//             depth complexity. A failed multiquery is halved where that is cheaper. Besides
+//             queries there are cheaper tests, and the method is chosen by its cost. A whole view
+//             is not tested at all where that would cost more than it hides: then frames are those
+//             of frustum culling, and a probe now and then (a test of the finished frame, at most
+//             `probe_share` of the time) finds out whether that has changed. The traversal starts
+//             from the cut of the last frame, not from the root (hierarchy_cut.h).
 // Guarantees  exact: every item in the frustum is drawn, or lies in a node that a test in this very
 //             frame found hidden. Measured times change what is tested and how, never the image.
 //             Without a clock, or on a device without exact timing, decisions follow the hints of
@@ -89,6 +92,7 @@ private:
     // --- the plan ---
     void start_frame(CullFrame& frame);
     TestMethod choose_method() const;
+    double expected_us(TestMethod method) const;
     void judge(CullFrame& frame);
     void stop_culling();
     void draw_all(CullFrame& frame);
@@ -102,7 +106,7 @@ private:
     uint32_t most_texels(const Entry& entry) const override;
     bool worth_testing(const Entry& entry) const override
     {
-        return worth_testing(entry, hidden_share_);
+        return hoped_us(entry) > costs_.round(method_).us_per_test;
     }
     bool still_visible(const Entry& entry) const override;
     bool read_again(CullFrame& frame) override;
@@ -121,14 +125,19 @@ private:
     void collect_round(CullFrame& frame, bool first_round);
     void group_round(CullFrame& frame);
     void note_answer(const Candidate& candidate, bool found_hidden);
+    void note_sharing();
+    size_t most_singly() const;
     void take_answers(CullFrame& frame);
     void draw_untested(CullFrame& frame, const Candidate& candidate);
     void open_for_next_round(CullFrame& frame, const Candidate& candidate);
     void retest_by_device(CullFrame& frame);
+    void keep_parts_visible(const CullFrame& frame, const Candidate& candidate);
     void take_late_answers(CullFrame& frame);
     bool retest_reasonable(const CullFrame& frame, const Candidate& candidate);
     void note_drawing(CullFrame& frame);
     void measure_methods(CullFrame& frame, std::span<const Candidate> candidates);
+    void measure_round(CullFrame& frame, TestMethod method, std::span<const Candidate> candidates,
+                       size_t boxes_per_test);
 
     // --- shared ---
     double units(const Entry& entry) const
@@ -136,7 +145,14 @@ private:
         return costs_.units(triangles_of(entry), items_of(entry));
     }
     double draw_us(const Entry& entry) const { return costs_.us_per_unit() * units(entry); }
-    bool worth_testing(const Entry& entry, double probability) const;
+    /// What it costs to find hidden again, frame by frame, what was hidden: its share of a query.
+    double kept_us() const
+    {
+        const RoundCost cost = costs_.round(method_);
+        return method_ == TestMethod::queries
+                   ? cost.us_per_box + tests_per_kept_ * (cost.us_per_test - cost.us_per_box)
+                   : cost.us_per_test;
+    }
     Aabb test_box(const CullFrame& frame, const Entry& entry) const
     {
         return frame.view().inflated_for_test(box_of(entry));
@@ -145,6 +161,7 @@ private:
     {
         return frame.view().touches_near(test_box(frame, entry));
     }
+    double hoped_us(const Entry& entry) const;
     static uint64_t name_of(const Entry& entry)
     {
         return uint64_t{entry.node.value} << 32 | entry.place;
@@ -165,12 +182,14 @@ private:
     double saved_per_spent_ = 0.0; ///< smoothed
     double tests_last_frame_ = 0.0;
     double last_probe_us_ = 0.0;
-    double hidden_share_ = 0.5; ///< of the work in nodes that were tested for the first time
+    double hidden_share_ = 0.5;   ///< of the work in nodes that were tested for the first time
+    double tests_per_kept_ = 0.2; ///< queries per node that was hidden: they share them
 
     // Of the frame.
     double started_us_ = 0.0;
     double spent_us_ = 0.0; ///< on tests
     double hidden_units_ = 0.0;
+    bool measured_ = false; ///< what a method costs, beside the frame's own work
 
     // Against depth.
     double read_after_us_ = 0.0; ///< of drawing, before depth is read again
@@ -181,6 +200,9 @@ private:
     std::vector<Candidate> round_;
     std::vector<Candidate> next_round_;
     std::vector<Group> groups_;
+    uint32_t together_ = 0;   ///< the last number of a part of a failed group, of this frame
+    double kept_tests_ = 0.0; ///< queries of what was hidden, of this frame
+    double kept_ = 0.0;       ///< what was hidden and asked again, of this frame
     std::vector<double> keep_;
     std::vector<LateTest> late_;
     std::vector<uint64_t> found_hidden_; ///< names of entries, ascending

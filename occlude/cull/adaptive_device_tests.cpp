@@ -11,13 +11,11 @@ namespace occlude {
 
 namespace {
 
-// What a test of something visible may gain is divided by the depth complexity. Guthe, Balazs and
-// Klein take 3; on the devices of adaptive_costs_test.cpp less is better.
-constexpr double kDepthComplexity = 1.5;
+// The part of what is known of the sharing of queries that one frame replaces.
+constexpr double kSharingStep = 1.0 / 8.0;
 
-// Rounds of one test and of so many measure a method, each so often.
-constexpr size_t kMeasuredTests = 16;
-constexpr int kMeasuredRounds = 3;
+// A round of so many tests on an idle device says what one costs.
+constexpr size_t kTellingTests = 16;
 
 // A method whose hint costs so many times the best is not worth measuring.
 constexpr double kHopeless = 4.0;
@@ -51,10 +49,20 @@ bool Adaptive::retest_reasonable(const CullFrame& frame, const Candidate& candid
     const double covered = coverage_.chance_covered(share);
     coverage_.drew(share);
     const double test_us = costs_.round(method_).us_per_test;
-    const double benefit_us =
-        0.5 * covered * covered * (draw_us(candidate.entry) - test_us) / kDepthComplexity;
+    const double benefit_us = 0.5 * covered * covered * (draw_us(candidate.entry) - kept_us());
     const auto age = static_cast<double>(frame.stamp() - candidate.entry.tested);
     return test_us < age * benefit_us;
+}
+
+// What was not worth opening when it was drawn first may be now.
+void Adaptive::keep_parts_visible(const CullFrame& frame, const Candidate& candidate)
+{
+    next_round_.clear();
+    add_parts(frame, candidate, next_round_);
+    for (Candidate& part : next_round_) {
+        part.entry.tested = candidate.entry.tested;
+        keep_visible(part.entry);
+    }
 }
 
 void Adaptive::retest_by_device(CullFrame& frame)
@@ -63,6 +71,10 @@ void Adaptive::retest_by_device(CullFrame& frame)
     coverage_.start_frame(frame.view().size_px());
     const size_t first = late_.size();
     for (Candidate& candidate : expected_) {
+        if (opens(candidate.entry)) {
+            keep_parts_visible(frame, candidate);
+            continue;
+        }
         const size_t room = frame.caps().max_outstanding;
         if (late_.size() < room && retest_reasonable(frame, candidate)) {
             batch_.add_box(test_box(frame, candidate.entry), candidate.entry.node);
@@ -118,7 +130,6 @@ void Adaptive::collect_round(CullFrame& frame, bool first_round)
             keep_outside(entry);
             continue;
         }
-        const double chance = entry.state == State::hidden ? 1.0 : hidden_share_;
         if (near(frame, entry)) {
             if (!opens(entry)) {
                 draw(frame, candidate, Decision::drawn_near);
@@ -135,7 +146,8 @@ void Adaptive::collect_round(CullFrame& frame, bool first_round)
                 }
                 next_round_.clear();
             }
-        } else if (!worth_testing(entry, chance)) {
+        } else if (const bool kept = entry.state == State::hidden;
+                   !(kept ? draw_us(entry) > kept_us() : worth_testing(entry))) {
             draw_untested(frame, candidate);
         } else {
             round_.push_back(candidate);
@@ -144,7 +156,7 @@ void Adaptive::collect_round(CullFrame& frame, bool first_round)
     // What all of them may hide must be worth the wait for one more round.
     double hidden_us = 0.0;
     for (const Candidate& candidate : round_) {
-        hidden_us += hidden_share_ * draw_us(candidate.entry);
+        hidden_us += hoped_us(candidate.entry);
     }
     const double round_us = costs_.round(method_).of(static_cast<double>(round_.size()));
     if (!first_round && hidden_us < round_us) {
@@ -162,14 +174,13 @@ void Adaptive::group_round(CullFrame& frame)
     batch_.clear();
     keep_.clear();
     if (method_ == TestMethod::queries) {
-        const auto age = [](const Candidate& c) {
-            return c.alone ? -1 : int{c.entry.frames_hidden};
-        };
-        std::stable_sort(round_.begin(), round_.end(),
-                         [&](const Candidate& a, const Candidate& b) { return age(a) > age(b); });
+        std::stable_sort(round_.begin(), round_.end(), [](const Candidate& a, const Candidate& b) {
+            return a.together != b.together ? a.together < b.together
+                                            : a.entry.frames_hidden > b.entry.frames_hidden;
+        });
         double last = 1.0;
         for (const Candidate& candidate : round_) {
-            if (candidate.alone) {
+            if (candidate.together != 0) {
                 break; // they come last
             }
             // The measured table need not be monotonic; the greedy choice wants it so.
@@ -179,9 +190,13 @@ void Adaptive::group_round(CullFrame& frame)
     }
     for (uint32_t first = 0; first < round_.size();) {
         uint32_t count = 1;
-        if (method_ == TestMethod::queries && !round_[first].alone) {
+        if (first < keep_.size()) {
             count = static_cast<uint32_t>(
-                best_multiquery_size(std::span<const double>{keep_}.subspan(first)));
+                best_multiquery_size(std::span<const double>{keep_}.subspan(first), most_singly()));
+        } else if (const uint32_t together = round_[first].together; together != 0) {
+            while (first + count < round_.size() && round_[first + count].together == together) {
+                ++count;
+            }
         }
         for (uint32_t i = first; i < first + count; ++i) {
             const Entry& entry = round_[i].entry;
@@ -189,6 +204,7 @@ void Adaptive::group_round(CullFrame& frame)
         }
         batch_.end_test();
         groups_.push_back({first, count});
+        kept_tests_ += round_[first].entry.state == State::hidden ? 1.0 : 0.0;
         frame.counters().multiqueries += count > 1 ? 1 : 0;
         first += count;
     }
@@ -198,6 +214,7 @@ void Adaptive::group_round(CullFrame& frame)
 void Adaptive::note_answer(const Candidate& candidate, bool found_hidden)
 {
     if (candidate.entry.state == State::hidden) {
+        kept_ += 1.0;
         keep_table_.record(candidate.entry.frames_hidden, found_hidden);
     } else {
         answered(found_hidden);
@@ -209,21 +226,43 @@ void Adaptive::take_answers(CullFrame& frame)
     for (size_t i = 0; i < groups_.size(); ++i) {
         const Group group = groups_[i];
         const bool visible = is_visible(frame.wait(tickets_[i]), 0);
-        frame.counters().multiqueries_failed += visible && group.count > 1 ? 1 : 0;
-        for (uint32_t k = group.first; k < group.first + group.count; ++k) {
-            Candidate& candidate = round_[k];
-            if (!visible) {
-                note_answer(candidate, true);
+        const bool failed = visible && group.count > 1;
+        const size_t part = failed ? failed_multiquery_part(group.count, most_singly()) : 1;
+        frame.counters().multiqueries_failed += failed ? 1 : 0;
+        for (uint32_t k = 0; k < group.count; ++k) {
+            Candidate& candidate = round_[group.first + k];
+            if (failed) {
+                together_ += k % part == 0 ? 1 : 0;
+                candidate.together = together_;
+                next_round_.push_back(candidate);
+                continue;
+            }
+            note_answer(candidate, !visible);
+            if (visible) {
+                candidate.together = 0;
+                open_for_next_round(frame, candidate);
+            } else {
                 keep_hidden(frame, candidate.entry,
                             group.count > 1 ? Decision::hidden_group : Decision::hidden);
-            } else if (group.count > 1) {
-                candidate.alone = true;
-                next_round_.push_back(candidate);
-            } else {
-                note_answer(candidate, false);
-                open_for_next_round(frame, candidate);
             }
         }
+    }
+}
+
+// A failed group is halved as long as that is cheaper than to test its nodes one by one: one more
+// round and two tests, for half of the nodes hidden.
+size_t Adaptive::most_singly() const
+{
+    const RoundCost cost = costs_.round(method_);
+    const double nodes = 2.0 * (2.0 + cost.us_per_round / std::max(cost.us_per_test, 1e-6));
+    return std::max(static_cast<size_t>(std::min(nodes, 1e6)), kLeastHalved - 1);
+}
+
+// How many queries did it take per node that was hidden before?
+void Adaptive::note_sharing()
+{
+    if (method_ == TestMethod::queries && kept_ > 0.0) {
+        tests_per_kept_ += kSharingStep * (std::min(kept_tests_ / kept_, 1.0) - tests_per_kept_);
     }
 }
 
@@ -236,6 +275,9 @@ void Adaptive::by_device(CullFrame& frame)
 
 void Adaptive::by_rounds(CullFrame& frame)
 {
+    together_ = 0;
+    kept_tests_ = 0.0;
+    kept_ = 0.0;
     for (bool first_round = true; !candidates_.empty(); first_round = false) {
         collect_round(frame, first_round);
         if (round_.empty()) {
@@ -249,17 +291,20 @@ void Adaptive::by_rounds(CullFrame& frame)
         next_round_.clear();
         frame.query(batch_, tickets_, method_);
         take_answers(frame);
-        if (clock_ && !first_round && groups_.size() >= kMeasuredTests) {
-            costs_.tested(method_, groups_.size(), std::max(now() - from - queued_us, 0.0));
+        if (clock_ && !first_round && groups_.size() >= kTellingTests) {
+            costs_.tested(method_, groups_.size(), round_.size(),
+                          std::max(now() - from - queued_us, 0.0));
         }
         tests_ += static_cast<double>(groups_.size());
-        spent_us_ += costs_.round(method_).of(static_cast<double>(groups_.size()));
+        spent_us_ += costs_.round(method_).of(static_cast<double>(groups_.size()),
+                                              static_cast<double>(round_.size()));
         if (first_round) {
             note_drawing(frame);
         }
         measure_methods(frame, round_);
         candidates_.swap(next_round_);
     }
+    note_sharing();
 }
 
 // The device is at rest: what did drawing cost?
@@ -270,38 +315,47 @@ void Adaptive::note_drawing(CullFrame& frame)
     }
 }
 
-// The device is at rest: what do one test and a few more cost by each method that may be best?
+// The device is at rest: what do the tests of each method that may be best cost? One round of one
+// method in a frame, until that is known or looks no better.
 void Adaptive::measure_methods(CullFrame& frame, std::span<const Candidate> candidates)
 {
-    if (!clock_ || candidates.size() < kMeasuredTests ||
-        options_.method != AdaptiveOptions::Method::automatic) {
+    if (!clock_ || candidates.empty() || options_.method != AdaptiveOptions::Method::automatic) {
         return;
     }
-    const double us = costs_.round(method_).of(tests_last_frame_);
+    const double us = expected_us(method_);
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
-        if (!costs_.has(method) || costs_.rounds_measured(method) > 0 ||
-            costs_.round(method).of(tests_last_frame_) > kHopeless * us) {
+        const CostModel::Shape shape = costs_.least_known(method);
+        const bool looked_at = costs_.rounds_measured(method) > 0 && shape.boxes == 1;
+        const double most_us = (looked_at ? 1.0 : kHopeless) * us;
+        if (measured_ || shape.tests == 0 || expected_us(method) > most_us) {
             continue;
         }
         if (method == TestMethod::pyramid) {
             measure_read(frame);
-            continue;
-        }
-        for (int i = 0; i < 2 * kMeasuredRounds; ++i) {
-            const size_t count = i % 2 == 0 ? 1 : kMeasuredTests;
-            batch_.clear();
-            for (const Candidate& candidate : candidates.first(count)) {
-                batch_.add_box(test_box(frame, candidate.entry), candidate.entry.node);
-                batch_.end_test();
-            }
-            const double from = now();
-            frame.query(batch_, tickets_, method);
-            for (const Ticket ticket : tickets_) {
-                frame.wait(ticket);
-            }
-            costs_.tested(method, count, now() - from);
+        } else if (shape.boxes <= candidates.size()) {
+            measure_round(frame, method, candidates.first(shape.boxes), shape.boxes / shape.tests);
         }
     }
+}
+
+// One round: as many tests as it takes, each of so many of the candidates.
+void Adaptive::measure_round(CullFrame& frame, TestMethod method,
+                             std::span<const Candidate> candidates, size_t boxes_per_test)
+{
+    batch_.clear();
+    for (size_t i = 0; i < candidates.size(); ++i) {
+        batch_.add_box(test_box(frame, candidates[i].entry), candidates[i].entry.node);
+        if ((i + 1) % boxes_per_test == 0) {
+            batch_.end_test();
+        }
+    }
+    measured_ = true;
+    const double from = now();
+    frame.query(batch_, tickets_, method);
+    for (const Ticket ticket : tickets_) {
+        frame.wait(ticket);
+    }
+    costs_.tested(method, tickets_.size(), candidates.size(), now() - from);
 }
 
 } // namespace occlude

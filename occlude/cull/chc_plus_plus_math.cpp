@@ -11,25 +11,33 @@ double analytic_keep_probability(uint32_t frames_hidden)
     return 0.99 - 0.7 * std::exp(-static_cast<double>(frames_hidden));
 }
 
-double multiquery_value(size_t count, double all_keep)
+double multiquery_value(size_t count, double all_keep, size_t most_singly)
 {
+    constexpr double kLeastKeep = 0.5;
     if (count <= 1) {
         return 1.0;
     }
     const double benefit = static_cast<double>(count);
-    const double cost = 1.0 + (1.0 - all_keep) * benefit;
+    double if_failed = benefit;
+    if (count > most_singly) {
+        if (all_keep < kLeastKeep) {
+            return 0.0;
+        }
+        const double singly = static_cast<double>(most_singly);
+        if_failed = 2.0 * std::log2(benefit / singly) + singly;
+    }
+    const double cost = 1.0 + (1.0 - all_keep) * if_failed;
     return benefit / cost;
 }
 
-size_t best_multiquery_size(std::span<const double> keep,
-                            double (*value_of)(size_t count, double all_keep))
+size_t best_multiquery_size(std::span<const double> keep, size_t most_singly)
 {
     size_t count = 1;
     double all_keep = keep[0];
-    double value = value_of(1, all_keep);
+    double value = multiquery_value(1, all_keep, most_singly);
     while (count < keep.size()) {
         const double next_keep = all_keep * keep[count];
-        const double next_value = value_of(count + 1, next_keep);
+        const double next_value = multiquery_value(count + 1, next_keep, most_singly);
         if (next_value <= value) {
             break;
         }
@@ -38,6 +46,11 @@ size_t best_multiquery_size(std::span<const double> keep,
         ++count;
     }
     return count;
+}
+
+size_t failed_multiquery_part(size_t count, size_t most_singly)
+{
+    return count <= most_singly ? 1 : (count + 1) / 2;
 }
 
 uint32_t KeepTable::bin_of(uint32_t frames_hidden)

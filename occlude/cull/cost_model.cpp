@@ -8,7 +8,7 @@ namespace occlude {
 namespace {
 
 // What a read-back and a test against it cost before anything was measured.
-constexpr RoundCost kPyramidHint{400.0, 0.1};
+constexpr RoundCost kPyramidHint{400.0, 0.1, 0.1};
 
 // Below this much drawing a frame says nothing about the cost of drawing.
 constexpr double kLeastSample = 256.0;
@@ -21,6 +21,10 @@ constexpr double kLeastShare = 0.1;
 
 // As long as none did, drawing costs at most so many times the hint.
 constexpr double kOverHint = 4.0;
+
+// Each cost of a method is measured so often, by rounds of one box and of so many.
+constexpr size_t kMeasuredRounds = 3;
+constexpr size_t kMoreBoxes = 16;
 
 } // namespace
 
@@ -52,7 +56,7 @@ void CostModel::take_hints(const DeviceCaps& caps)
     for (const TestCost& cost : caps.methods) {
         Method& method = methods_[index(cost.method)];
         method.available = caps.same_frame_results;
-        method.hint = {cost.us_per_batch, cost.us_per_test + cost.us_per_box};
+        method.hint = {cost.us_per_batch, cost.us_per_test + cost.us_per_box, cost.us_per_box};
     }
     // Tested here, not by the device: all it needs is the depth.
     Method& pyramid = methods_[index(TestMethod::pyramid)];
@@ -90,27 +94,55 @@ RoundCost CostModel::round(TestMethod which) const
     const Method& method = methods_[index(which)];
     if (!method.available) {
         constexpr double kNever = std::numeric_limits<double>::infinity();
-        return {kNever, kNever};
+        return {kNever, kNever, kNever};
     }
     RoundCost cost = method.hint;
     if (!method.us_per_test.empty()) {
         cost.us_per_test = method.us_per_test.value();
     }
+    if (!method.us_per_box.empty()) {
+        cost.us_per_box = method.us_per_box.value();
+    }
+    cost.us_per_box = std::min(cost.us_per_box, cost.us_per_test);
     if (!method.small_round_us.empty()) {
         cost.us_per_round = method.small_round_us.value();
     }
     return cost;
 }
 
-void CostModel::tested(TestMethod which, size_t tests, double us)
+CostModel::Shape CostModel::least_known(TestMethod which) const
+{
+    const Method& method = methods_[index(which)];
+    const size_t rounds = method.small_round_us.count();
+    if (!method.available) {
+        return {};
+    }
+    if (which != TestMethod::pyramid && method.us_per_test.count() < rounds) {
+        return {kMoreBoxes, kMoreBoxes};
+    }
+    if (which == TestMethod::queries && method.us_per_box.count() < rounds) {
+        return {1, kMoreBoxes};
+    }
+    return rounds < kMeasuredRounds ? Shape{1, 1} : Shape{};
+}
+
+void CostModel::tested(TestMethod which, size_t tests, size_t boxes, double us)
 {
     Method& method = methods_[index(which)];
-    if (tests <= kSmallRound) {
+    if (boxes <= 1) {
         method.small_round_us.add(us);
-    } else if (!method.small_round_us.empty()) {
-        const double beyond = us - method.small_round_us.value();
-        method.us_per_test.add(std::max(beyond, 0.0) / static_cast<double>(tests - kSmallRound));
+        return;
     }
+    if (method.small_round_us.empty()) {
+        return;
+    }
+    const double beyond = us - method.small_round_us.value();
+    if (tests == 1) {
+        method.us_per_box.add(std::max(beyond, 0.0) / static_cast<double>(boxes - 1));
+        return;
+    }
+    const double shared_us = static_cast<double>(boxes - tests) * round(which).us_per_box;
+    method.us_per_test.add(std::max(beyond - shared_us, 0.0) / static_cast<double>(tests - 1));
 }
 
 } // namespace occlude

@@ -10,7 +10,7 @@
 //             waits for, and because machines drift. Timer queries would leave out what the
 //             processor does, which on software devices is everything. What is learnt of drawing is
 //             a slope, the cost of one unit more (a triangle, or an item as so many triangles): a
-//             frame costs what its pixels cost whatever is hidden. Of each test method two numbers
+//             frame costs what its pixels cost whatever is hidden. Of each test method three numbers
 //             are learnt.
 // Guarantees  Noise: every figure comes from medians of recent samples. Without a clock no sample
 //             ever comes, and the hints of DeviceCaps stay: decisions are then the same in every
@@ -44,12 +44,15 @@ private:
 };
 
 /// What one round of tests by one method costs: `us_per_round` whatever is asked, starting the
-/// device and waiting for it included, and `us_per_test` for each test.
+/// device and waiting for it included, `us_per_test` for each test of one box, and `us_per_box` for
+/// each box more that shares a test.
 struct RoundCost {
     double us_per_round = 0.0;
     double us_per_test = 0.0;
+    double us_per_box = 0.0;
 
     double of(double tests) const { return us_per_round + tests * us_per_test; }
+    double of(double tests, double boxes) const { return of(tests) + (boxes - tests) * us_per_box; }
 };
 
 class CostModel {
@@ -85,8 +88,15 @@ public:
     RoundCost round(TestMethod method) const;
     bool has(TestMethod method) const { return methods_[index(method)].available; }
 
-    /// A round of `tests` by `method` on an idle device took `us`.
-    void tested(TestMethod method, size_t tests, double us);
+    /// A round of `tests` of `boxes` by `method` on an idle device took `us`.
+    void tested(TestMethod method, size_t tests, size_t boxes, double us);
+    /// The round that would tell what is known least of `method`: so many tests of so many boxes.
+    /// None once each of its costs was measured a few times, or if the device does not have it.
+    struct Shape {
+        size_t tests = 0;
+        size_t boxes = 0;
+    };
+    Shape least_known(TestMethod method) const;
     /// What the device says of it.
     RoundCost hint(TestMethod method) const { return methods_[index(method)].hint; }
     /// Rounds of a single test that tested() has heard of.
@@ -99,15 +109,15 @@ private:
     struct Method {
         bool available = false;
         RoundCost hint;
-        RecentMedian small_round_us; ///< of kSmallRound tests and fewer
-        RecentMedian us_per_test;    ///< what larger rounds took beyond that
+        RecentMedian small_round_us; ///< of one test of one box
+        RecentMedian us_per_test;    ///< what more tests took beyond that
+        RecentMedian us_per_box;     ///< ... and more boxes in one test
     };
     /// What frames of about the same amount of drawing took.
     struct Sample {
         RecentMedian units;
         RecentMedian us;
     };
-    static constexpr size_t kSmallRound = 1;
     static size_t index(TestMethod method) { return static_cast<size_t>(method); }
 
     std::array<Method, 4> methods_{};

@@ -45,7 +45,7 @@ protected:
         Entry entry;
         PlaneMask mask = Frustum::kAllPlanes;
         float distance = 0.0f;
-        bool alone = false; ///< for the tests on the device of `adaptive`
+        uint32_t together = 0; ///< for `adaptive`: number of the part of a failed group, or 0
     };
 
     explicit CutCuller(const Hierarchy& hierarchy, DepthTests depth = DepthTests{})

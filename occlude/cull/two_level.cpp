@@ -41,24 +41,7 @@ float inverse_stretch(const glm::mat4& map)
 }
 
 // Groups of at most so many are tested node by node if something in them is visible.
-constexpr uint32_t kMostSingly = 3;
-// A group is more likely to stay hidden than not: then each halving settles about one node of it.
-constexpr double kLeastKeep = 0.5;
-
-// multiquery_value() of a group that is halved again and again where it fails, which takes two tests
-// per halving if one node of it is visible.
-double halved_value(size_t count, double all_keep)
-{
-    if (count <= 1) {
-        return 1.0;
-    }
-    if (all_keep < kLeastKeep) {
-        return 0.0;
-    }
-    const auto nodes = static_cast<double>(count);
-    const double if_failed = count <= kMostSingly ? nodes : 2.0 * std::log2(nodes);
-    return nodes / (1.0 + (1.0 - all_keep) * if_failed);
-}
+constexpr uint32_t kMostSingly = kLeastHalved - 1;
 
 } // namespace
 
@@ -287,13 +270,14 @@ void TwoLevel::handle_test(CullFrame& frame, const PendingTest& test, const Answ
     const bool visible = is_visible(answer, options_.threshold);
     if (test.count > 1 && visible) {
         ++frame.counters().multiqueries_failed;
-        if (test.count <= kMostSingly) {
-            const auto first = tested_.begin() + test.first;
-            waiting_.insert(waiting_.end(), first, first + test.count);
-        } else {
-            const uint32_t half = test.count / 2;
-            halves_.push_back({Ticket{}, test.first, half});
-            halves_.push_back({Ticket{}, test.first + half, test.count - half});
+        const auto part = static_cast<uint32_t>(failed_multiquery_part(test.count, kMostSingly));
+        for (uint32_t i = 0; i < test.count; i += part) {
+            const uint32_t count = std::min(part, test.count - i);
+            if (count == 1) {
+                waiting_.push_back(tested_[test.first + i]);
+            } else {
+                halves_.push_back({Ticket{}, test.first + i, count});
+            }
         }
         return;
     }
@@ -374,7 +358,7 @@ void TwoLevel::issue_deferred(CullFrame& frame)
     size_t done = 0;
     while (done < deferred_.size() && pending_.size() < pending_limit(frame)) {
         const size_t size =
-            best_multiquery_size(std::span<const double>{keep_}.subspan(done), halved_value);
+            best_multiquery_size(std::span<const double>{keep_}.subspan(done), kMostSingly);
         add_test(std::span<const uint32_t>{ordered_}.subspan(done, size));
         done += size;
     }

@@ -49,7 +49,7 @@ TEST(Adaptive, TestsInRoundsAndStartsFromTheCutOfTheLastFrame)
     EXPECT_EQ(culler.cut().entries().size(), 3u);
 }
 
-TEST(Adaptive, AGroupThatShowsIsAskedOneByOne)
+TEST(Adaptive, ASmallGroupThatShowsIsAskedOneByOne)
 {
     const Hierarchy tree = row_tree(2);
     ScriptedDevice device(priced(1.0f, {0, 1, 3}));
@@ -58,7 +58,7 @@ TEST(Adaptive, AGroupThatShowsIsAskedOneByOne)
     device.script().boxes = visible_subjects({NodeId{4u}});
     const FrameReport report = culler.cull(look_ahead(), device);
     EXPECT_EQ(device.frame_text(1), "draw 0\nflush\nquery queries [4 2]\nflush\nwait 4 2 -> 1000\n"
-                                    "query queries [2] [4]\nflush\nwait 2 -> 0\nwait 4 -> 1000\n"
+                                    "query queries [4] [2]\nflush\nwait 4 -> 1000\nwait 2 -> 0\n"
                                     "draw 1\n");
     EXPECT_EQ(report.counters.multiqueries_failed, 1u);
 }
@@ -168,9 +168,17 @@ TEST(CostModel, LearnsRoundsAndTests)
     EXPECT_FALSE(costs.has(TestMethod::raster));
     EXPECT_NEAR(costs.round(TestMethod::queries).of(10.0), 60.0 + 220.0, 1e-3);
     EXPECT_EQ(costs.rounds_measured(TestMethod::queries), 0u);
-    costs.tested(TestMethod::queries, 1, 100.0);
-    costs.tested(TestMethod::queries, 17, 100.0 + 16 * 5.0);
+    EXPECT_EQ(costs.least_known(TestMethod::raster).tests, 0u);
+    EXPECT_EQ(costs.least_known(TestMethod::queries).boxes, 1u);
+    costs.tested(TestMethod::queries, 1, 1, 100.0);
+    EXPECT_GT(costs.least_known(TestMethod::queries).tests, 1u);
+    costs.tested(TestMethod::queries, 17, 17, 100.0 + 16 * 5.0);
     EXPECT_NEAR(costs.round(TestMethod::queries).of(10.0), 100.0 + 50.0, 1e-9);
+    EXPECT_EQ(costs.least_known(TestMethod::queries).tests, 1u);
+    EXPECT_GT(costs.least_known(TestMethod::queries).boxes, 1u);
+    costs.tested(TestMethod::queries, 1, 11, 100.0 + 10 * 2.0);
+    EXPECT_NEAR(costs.round(TestMethod::queries).of(10.0, 20.0), 100.0 + 50.0 + 20.0, 1e-9);
+    EXPECT_EQ(costs.least_known(TestMethod::queries).boxes, 1u);
     EXPECT_EQ(costs.rounds_measured(TestMethod::queries), 1u);
 }
 

@@ -59,6 +59,35 @@ TEST(Multiquery, NodesThatAreLikelyToTurnVisibleAreTestedAlone)
     EXPECT_EQ(best_multiquery_size(std::vector<double>{0.0}), 1u);
 }
 
+TEST(Multiquery, AGroupThatIsHalvedWhereItFailsMayBeLarger)
+{
+    const std::vector<double> keep(200, 0.99);
+    EXPECT_GT(best_multiquery_size(keep, 3), best_multiquery_size(keep));
+    EXPECT_EQ(best_multiquery_size(keep, 200), best_multiquery_size(keep));
+    // 64 nodes, then two tests for each of four halvings, and four nodes one by one.
+    EXPECT_NEAR(multiquery_value(64, 0.5, 4), 64.0 / (1.0 + 0.5 * (2.0 * 4.0 + 4.0)), 1e-12);
+    EXPECT_EQ(multiquery_value(64, 0.49, 4), 0.0);
+}
+
+// Whatever the size, halving a failed group in which one node shows comes down to that node.
+TEST(Multiquery, TheHalvesOfAFailedGroupEndInSingleNodes)
+{
+    for (size_t count = 2; count < 100; ++count) {
+        size_t left = count;
+        int halvings = 0;
+        while (left > 1) {
+            const size_t part = failed_multiquery_part(left, 3);
+            EXPECT_EQ(part == 1, left <= 3);
+            EXPECT_LT(part, left);
+            EXPECT_LE((left + part - 1) / part, part == 1 ? 3u : 2u);
+            left = part;
+            ++halvings;
+        }
+        EXPECT_LE(halvings, 7);
+    }
+    EXPECT_EQ(failed_multiquery_part(50, kNeverHalved), 1u);
+}
+
 TEST(KeepTable, WithoutMeasurementsItIsTheAnalyticCurve)
 {
     const KeepTable table;
