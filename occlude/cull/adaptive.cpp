@@ -157,7 +157,9 @@ TestMethod Adaptive::choose_method() const
     TestMethod best = method_;
     double best_us = costs_.has(method_) ? kSwitch * expected_us(method_) : 0.0;
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
-        if (!costs_.has(method) || (costs_.has(method_) && method == method_)) {
+        const bool half_known =
+            costs_.rounds_measured(method) > 0 && costs_.least_known(method).tests > 0;
+        if (!costs_.has(method) || (costs_.has(method_) && (method == method_ || half_known))) {
             continue;
         }
         const double us = expected_us(method);

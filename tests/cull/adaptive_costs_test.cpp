@@ -210,6 +210,10 @@ TEST(AdaptiveMethods, AChangeOfMethodStartsFromTheCutOfTheOther)
     ASSERT_NE(changed, reports.end());
     ASSERT_GT(changed - reports.begin(), 2);
     EXPECT_EQ((changed - 1)->plan.kind, FramePlan::Kind::pyramid);
+    // Nothing is decided by a single look: three rounds of each of three kinds.
+    EXPECT_EQ(std::count_if(reports.begin(), changed,
+                            [](const FrameReport& r) { return r.counters.queries > 0; }),
+              9);
     EXPECT_LE(changed->counters.items_drawn, 2 * (changed - 1)->counters.items_drawn);
     EXPECT_TRUE(std::none_of(changed, reports.end(), [](const FrameReport& r) {
         return r.plan.kind == FramePlan::Kind::draw_all;

@@ -104,10 +104,10 @@ TEST(JsonReport, HasTheKeysOfTheContract)
     EXPECT_EQ(json["size"], Json::parse("[640, 360]"));
 
     const std::set<std::string> counters = {
-        "queries",    "boxes",       "multiqueries_failed", "state_changes", "batches",
-        "draw_calls", "items_drawn", "triangles_drawn",     "nodes_visited", "waits",
-        "wait_ms",    "read_ms",     "cull_cpu_ms",         "depth_reads",   "pixels_read",
-        "cells_asked"};
+        "queries",     "multiqueries", "boxes",       "multiqueries_failed", "state_changes",
+        "batches",     "draw_calls",   "items_drawn", "triangles_drawn",     "nodes_visited",
+        "waits",       "wait_ms",      "read_ms",     "cull_cpu_ms",         "depth_reads",
+        "pixels_read", "cells_asked"};
     const Json& run = json["runs"][0];
     EXPECT_EQ(keys(run),
               (std::set<std::string>{"algorithm", "hierarchy", "device", "test", "guarantee",

@@ -43,6 +43,7 @@ Json counters_json(const FrameCounters& c, double wait_ms, double read_ms, doubl
 {
     return {{"queries", value(c.queries)},
             {"boxes", value(c.boxes)},
+            {"multiqueries", value(c.multiqueries)},
             {"multiqueries_failed", value(c.multiqueries_failed)},
             {"state_changes", value(c.state_changes)},
             {"batches", value(c.batches)},
