@@ -673,10 +673,10 @@ void TwoLevelTree::update(std::span<const ItemBounds> bounds_by_item)
         relink(slot);
     }
     moved_.clear();
-    if (anything) {
+    reconstruct();
+    if (anything || layout_stale_) { // cells of a rebuilt subtree are restless, too
         restless_until_ = updates_ + options_.quiet_frames;
     }
-    reconstruct();
     if (layout_stale_) {
         lay_out(bounds_by_item);
     } else if (anything || updates_ <= restless_until_) {
