@@ -682,11 +682,11 @@ void TwoLevelTree::update(std::span<const ItemBounds> bounds_by_item)
         relink(slot);
     }
     moved_.clear();
-    if (anything) {
-        restless_until_ = updates_ + options_.quiet_frames;
-    }
     if (layout_stale_ || links_are_stale() || !anything) {
         reconstruct();
+    }
+    if (anything || layout_stale_) { // cells of a rebuilt subtree are restless, too
+        restless_until_ = updates_ + options_.quiet_frames;
     }
     if (layout_stale_ || links_are_stale()) {
         lay_out(bounds_by_item);

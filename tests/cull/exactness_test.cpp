@@ -362,6 +362,7 @@ TEST(Exactness, LazyGridWithEachPartSwitched)
         {{"cell_size", "1000"}},
         {{"update", "busy"}},
         {{"traversal", "two_lists"}},
+        {{"traversal", "two_lists"}, {"update", "busy"}},
         {{"variant", "occlusion_buffer"}},
         {{"variant", "occlusion_buffer"}, {"update", "busy"}},
         {{"source", "queries"}},
@@ -377,6 +378,15 @@ TEST(Exactness, LazyGridWithEachPartSwitched)
         {{"whole_cell_share", "0.5"}},
         {{"whole_cell_share", "0.5"}, {"join", "rows"}},
         {{"internal_above_pixels", "900"}},
+        {{"variant", "occlusion_buffer"},
+         {"free_below_covered", "0.6"},
+         {"whole_cell_share", "0.5"},
+         {"internal_above_pixels", "900"}},
+        {{"source", "queries"},
+         {"traversal", "two_lists"},
+         {"free_below_covered", "0.6"},
+         {"whole_cell_share", "0.5"},
+         {"internal_above_pixels", "900"}},
     };
     for (const std::vector<OptionValue>& options : switches) {
         std::string name = "lazy_grid";

@@ -264,6 +264,18 @@ TEST(LazyGrid, TwoListsTestABoxBeforeWhatIsNotWhollyInFrontOfItIsDrawn)
     EXPECT_EQ(text({.traversal = Traversal::one_list}).find("draw 0"), 0u);
 }
 
+TEST(LazyGrid, DefaultsAreThePapersCellsAndNoneOfTheExtensionsOfSection6)
+{
+    const Outcome off = run({.tests_at_once = 1,
+                             .free_below_covered = 0.0,
+                             .whole_cell_share = 0.0,
+                             .internal_above_pixels = 0});
+    const Outcome defaults = run({.tests_at_once = 1});
+    const Outcome cells_of_32 = run({.cell_size = 32, .tests_at_once = 1});
+    EXPECT_EQ(defaults.text, off.text);
+    EXPECT_EQ(defaults.text, cells_of_32.text);
+}
+
 TEST(LazyGrid, AnImprobableCellIsFreeUnasked)
 {
     // Item 0 covers at most 4 x 4 of the 32 x 32 pixels of a cell.

@@ -270,6 +270,37 @@ TEST(TwoLevelTree, RestlessNodesAreTestedAsCellsUntilTheyAreQuiet)
     EXPECT_TRUE(is_tight(3));
 }
 
+TEST(TwoLevelTree, ASubtreeThatIsRebuiltWhenAllIsQuietBecomesTightToo)
+{
+    World world({.leaf_triangles = 0, .rebuild_period = 16, .quiet_frames = 2});
+    std::vector<TwoLevelTree::Slot> slots;
+    for (int i = 0; i < 64; ++i) {
+        slots.push_back(world.add({2.0f * static_cast<float>(i), 0, 0}));
+    }
+    world.update();
+    for (int i = 0; i < 64; ++i) {
+        world.move(slots[static_cast<size_t>(i)], at(500, 2.0f * static_cast<float>(i), 0));
+    }
+    const uint64_t rebuilds = world.tree.rebuild_count();
+    for (int frame = 2; frame <= 17; ++frame) { // rebuilt in the last of them
+        EXPECT_EQ(world.tree.rebuild_count(), rebuilds);
+        world.update();
+    }
+    EXPECT_EQ(world.tree.rebuild_count(), rebuilds + 1);
+    const auto loose = [&] {
+        size_t count = 0;
+        const Hierarchy& tree = world.tree.hierarchy();
+        for (size_t i = 0; i < tree.nodes().size(); ++i) {
+            count += tree.two_level().box[i] != tree.nodes()[i].box ? 1 : 0;
+        }
+        return count;
+    };
+    EXPECT_GT(loose(), 10u);
+    world.update();
+    world.update();
+    EXPECT_EQ(loose(), 0u);
+}
+
 TEST(TwoLevelTree, StaysSoundWhileObjectsComeGoAndMove)
 {
     World world({.complex_triangles = 50, .leaf_triangles = 100, .rebuild_period = 2});

@@ -1,5 +1,8 @@
 #include "commands/cli.h"
 #include "commands/commands.h"
+#include "measure/motion_player.h"
+#include "measure/moving_tree.h"
+#include "render/cpu_renderer.h"
 #include "scenes/paths.h"
 #include "tools/scene_checks.h"
 #include "tools/temp_folder.h"
@@ -124,6 +127,36 @@ TEST(Movers, ErrorsNameTheFileAndThePlace)
     expect_error(R"([{"object":1,"visible":{"from":3,"to":2}}])", "movers[0].visible.to");
     expect_error(R"([{"object":1,"visible":{"from":3}},{"object":1,"visible":{}}])",
                  "movers[1].object");
+}
+
+TEST(Movers, LeaveTightBoxesBehindOnceTheyHaveBeenQuiet)
+{
+    const TempFolder folder;
+    const std::string file = folder.write(
+        "path.json", with_movers(R"([{"object":2,"keyframes":[{"frame":0,"position":[0,0,80]},
+            {"frame":4,"position":[0,0,-40]}]}])"));
+    SceneModel model = loaded("boxes:count=60");
+    ASSERT_TRUE(read_movers(file, model));
+    CullScene scene = make_cull_scene(model);
+    const TwoLevelOptions options{.leaf_triangles = 0, .quiet_frames = 3};
+    TwoLevelScene tree{options};
+    RelinkedTree relinked{tree, options};
+    auto renderer = make_cpu_renderer(model, scene.items, {32, 24});
+    ASSERT_TRUE(renderer);
+    MotionPlayer player{model, scene, relinked, **renderer};
+    for (size_t frame = 0; frame < 12; ++frame) {
+        player.go_to(frame);
+        size_t loose = 0;
+        const Hierarchy& hierarchy = tree.hierarchy();
+        for (size_t i = 0; i < hierarchy.nodes().size(); ++i) {
+            loose += hierarchy.two_level().box[i] != hierarchy.nodes()[i].box ? 1 : 0;
+        }
+        if (frame <= 4 + 2) { // moved in frame 4 for the last time
+            EXPECT_GT(loose, 0u) << frame;
+        } else {
+            EXPECT_EQ(loose, 0u) << frame;
+        }
+    }
 }
 
 TEST(Movers, ArePlayedByVerifyAndTheImagesStayExact)
