@@ -59,7 +59,8 @@ public:
         model_.name = fmt::format("plant:triangles={},objects={},seed={}", options_.triangles,
                                   options_.objects, options_.seed);
         const WalkStyle style{.look_ahead = 5.0f};
-        model_.paths = {{"walk", walk_along(rounded(corners(), 1.5f), style)}};
+        model_.paths = {{"walk", walk_along(rounded(corners(), 1.5f), style)},
+                        {"through", walk_along(aisle(), style)}};
         return std::move(model_);
     }
 
@@ -339,6 +340,14 @@ private:
         points.push_back({yard, kEyeHeight, points.back().z});
         points.push_back({yard, kEyeHeight, half_size() + 6.0f});
         return points;
+    }
+
+    /// Straight between the bays of the middle, the whole plant ahead, up to its last third.
+    std::vector<glm::vec3> aisle() const
+    {
+        const float z = bay_at(side_ / 2) - 0.5f * kPlantPitch;
+        const float begin = -half_size() - 6.0f;
+        return {{begin, kEyeHeight, z}, {half_size() / 3.0f, kEyeHeight, z}};
     }
 
     PlantOptions options_;

@@ -40,6 +40,24 @@ SuiteEntry statistical(Scale scale, std::string name, const Sizes& scene, uint32
     return entry;
 }
 
+// The plant, from an aisle with the whole of it ahead, 9 cm a frame at full scale.
+void go_through_the_plant(SuiteEntry& entry)
+{
+    entry.stage.path = "through";
+    entry.stage.frames *= 2;
+    entry.sample_every *= 2;
+}
+
+// Parts of 64 triangles: of larger ones most are seen beside the pipes that hide them. `frustum` is
+// as fast with these as with 128.
+SuiteEntry statistical_plant(Scale scale, const Sizes& scene)
+{
+    SuiteEntry entry = statistical(scale, "plant_2m", scene, 64);
+    entry.stage.leaf_triangles = 128;
+    go_through_the_plant(entry);
+    return entry;
+}
+
 // ... and one test per object, as in GPU Gems 29.
 SuiteEntry teapots_entry(Scale scale, std::string name, const Sizes& scene, uint32_t part_triangles)
 {
@@ -57,6 +75,13 @@ SuiteEntry two_level(Scale scale, std::string name, const Sizes& scene, uint32_t
     entry.stage.hierarchy = "two_level";
     entry.stage.split = "exact";
     entry.stage.item_triangles = part_triangles;
+    return entry;
+}
+
+SuiteEntry two_level_plant(Scale scale, const Sizes& scene)
+{
+    SuiteEntry entry = two_level(scale, "plant_13m", scene, scale == Scale::full ? 2048 : 512);
+    go_through_the_plant(entry);
     return entry;
 }
 
@@ -132,10 +157,10 @@ std::vector<SuiteEntry> papers_entries(Scale scale)
     const Sizes vienna{"vienna", "vienna:triangles=2m"};
     const glm::ivec2 low{640, 480};
     const glm::ivec2 high{1280, 960};
-    return {statistical(scale, "plant_2m", plant, 256),
+    return {statistical_plant(scale, plant),
             statistical(scale, "library", library, 512),
             teapots_entry(scale, "teapots", teapots, 512),
-            two_level(scale, "plant_13m", large_plant, scale == Scale::full ? 2048 : 512),
+            two_level_plant(scale, large_plant),
             bunnies_in_motion(scale, bunnies, scale == Scale::full ? 1000 : 200),
             lazy_grid(scale, "forest_640", forest, "auto", low),
             lazy_grid(scale, "forest_1280", forest, "auto", high),
