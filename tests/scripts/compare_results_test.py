@@ -21,7 +21,8 @@ def example():
             "guarantee": "exact",
             "frame_ms": {"median": 10.0},
             "speedup_vs_frustum": 4.0,
-            "per_frame": {"queries": 100.0, "triangles_drawn": 5000.0, "wait_ms": 3.0},
+            "per_frame": {"queries": 100.0, "triangles_drawn": 5000.0, "waits": 8.0,
+                          "wait_ms": 3.0},
             "differing_pixels": 0,
             "decision_hash": "00000000000000aa",
             "decision_hash_reproducible": reproducible,
@@ -73,6 +74,16 @@ class CompareResults(unittest.TestCase):
     def assert_fine(self, change, *options):
         code, output = self.compare(change, *options)
         self.assertEqual(code, 0, output)
+
+    def test_waits_are_a_matter_of_time_unless_runs_repeat(self):
+        def wait_more(run):
+            def change(document):
+                document["runs"][run]["per_frame"]["waits"] = 9.0
+
+            return change
+
+        self.assert_fine(wait_more(0))
+        self.assert_worse(wait_more(1), "stop_and_wait: waits per frame grew")
 
     def test_equal_results_are_fine_and_counted(self):
         code, output = self.compare(lambda document: None)

@@ -225,6 +225,8 @@ TEST(SuiteResults, HashesAreSaidToRepeatOnlyWhereTheyMust)
     EXPECT_EQ(reproducible(1), true);  // it always waits
     documents[0].device = "cpu";       // answers are there at once
     EXPECT_EQ(reproducible(0), true);
+    documents[0].runs[0].asked_time = true; // but no two runs have the same clock
+    EXPECT_EQ(reproducible(0), false);
 }
 
 TEST(SuiteResults, PiecesAreAddedInTheOrderOfTheSuite)

@@ -179,13 +179,19 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
             return values.error();
         }
         values->insert(values->end(), choice.options.begin(), choice.options.end());
+        const auto asked_time = std::make_shared<bool>(false);
+        const Clock noticing = [clock, asked_time] {
+            *asked_time = true;
+            return clock();
+        };
         contenders.push_back({.name = choice.label,
                               .make =
                                   [name = choice.info->name, values = std::move(*values),
-                                   clock](const Hierarchy& hierarchy) {
-                                      return make_culler(name, hierarchy, values, clock);
+                                   noticing](const Hierarchy& hierarchy) {
+                                      return make_culler(name, hierarchy, values, noticing);
                                   },
-                              .remembers = choice.info->remembers});
+                              .remembers = choice.info->remembers,
+                              .asked_time = asked_time});
     }
     return contenders;
 }

@@ -148,6 +148,8 @@ private:
         samples.read_ms.push_back(kMsPerSecond * device.read_seconds());
         samples.cull_cpu_ms.push_back(kMsPerSecond * (culled - start - device.verb_seconds()));
         runs_[contender].polled = runs_[contender].polled || device.polls() > 0;
+        const auto& asked_time = contenders_[contender].asked_time;
+        runs_[contender].asked_time = asked_time != nullptr && *asked_time;
         if (repeat == 0) {
             note_decisions(contender, sample, report);
         }

@@ -64,6 +64,7 @@ struct AlgorithmRun {
     std::string hierarchy = {};       ///< what it ran on, as in --hierarchy; empty: nobody said
     /// It asked whether answers had come: its decisions may depend on when they do.
     bool polled = false;
+    bool asked_time = false; ///< it has asked a clock: the same
 };
 
 /// True if the runs are on more than one hierarchy, so that reports must tell them apart.

@@ -40,6 +40,8 @@ struct Contender {
     std::string hierarchy = {};      ///< as in --hierarchy, for reports
     const Hierarchy* tree = nullptr; ///< null: that of the stage
     bool remembers = true;           ///< AlgorithmInfo::remembers: it must see every frame
+    /// Whether one that was made has ever asked the clock; null: they have none.
+    std::shared_ptr<const bool> asked_time = {};
 };
 
 /// One culler per contender, in order; the error of the first that cannot be made.

@@ -104,7 +104,8 @@ Json run_json(const AlgorithmRun& run, const BenchDocument& document)
             {"tied_pixels", if_verified(summary.verified, summary.tied_pixels)},
             {"compared_frames", summary.compared_frames},
             {"decision_hash", hash_text(summary.decision_hash)},
-            {"decision_hash_reproducible", document.deterministic() || !run.polled}};
+            {"decision_hash_reproducible",
+             (document.deterministic() || !run.polled) && !run.asked_time}};
 }
 
 Json preparation_json(const Preparation& preparation)
