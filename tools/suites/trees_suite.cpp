@@ -34,7 +34,7 @@ std::vector<SuiteEntry> trees_entries(Scale scale)
     return {entry(scale, "city", "city:triangles=34m", "city:triangles=4m", "street"),
             entry(scale, "vienna", "vienna", "vienna:triangles=2m", "street"),
             entry(scale, "boxes", "boxcity:count=40000", "boxcity:count=10000", "street"),
-            entry(scale, "plant", "plant:triangles=2m", "plant:triangles=600k", "auto"),
+            entry(scale, "plant", "plant:triangles=2m", "plant:triangles=600k,objects=500", "auto"),
             entry(scale, "library", "library", "library:books=10000", "auto"),
             entry(scale, "forest", "forest", "forest:triangles=600k,trees=3500", "auto"),
             entry(scale, "teapots", "teapots:count=5000,triangles=2304",
