@@ -153,7 +153,7 @@ TestMethod Adaptive::choose_method() const
     case AdaptiveOptions::Method::automatic:
         break;
     }
-    constexpr double kSwitch = 0.7; // a change of method starts from nothing
+    constexpr double kSwitch = 0.7; // another method must be cheaper by this, or they take turns
     TestMethod best = method_;
     double best_us = costs_.has(method_) ? kSwitch * expected_us(method_) : 0.0;
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {

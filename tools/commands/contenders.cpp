@@ -112,22 +112,6 @@ Result<std::vector<Choice>> choose(const std::string& list, const DeviceCaps& ca
     return choices;
 }
 
-Result<std::vector<OptionValue>> settings_of(const AlgorithmInfo& info,
-                                             std::span<const std::string> sets)
-{
-    std::vector<OptionValue> values;
-    for (const std::string& text : sets) {
-        const auto set = parse_set(text);
-        if (!set) {
-            return set.error();
-        }
-        if (set->algorithm == info.name) {
-            values.emplace_back(set->option, set->value);
-        }
-    }
-    return values;
-}
-
 // Every setting must reach somebody: a typing error must not pass as a measurement.
 Result<bool> check_settings(std::span<const std::string> sets, std::span<const Choice> choices)
 {
@@ -174,11 +158,8 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
     }
     std::vector<Contender> contenders;
     for (const Choice& choice : *choices) {
-        auto values = settings_of(*choice.info, sets);
-        if (!values) {
-            return values.error();
-        }
-        values->insert(values->end(), choice.options.begin(), choice.options.end());
+        std::vector<OptionValue> values = settings_of(choice.info->name, sets);
+        values.insert(values.end(), choice.options.begin(), choice.options.end());
         const auto asked_time = std::make_shared<bool>(false);
         const Clock noticing = [clock, asked_time] {
             *asked_time = true;
@@ -186,7 +167,7 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
         };
         contenders.push_back({.name = choice.label,
                               .make =
-                                  [name = choice.info->name, values = std::move(*values),
+                                  [name = choice.info->name, values = std::move(values),
                                    noticing](const Hierarchy& hierarchy) {
                                       return make_culler(name, hierarchy, values, noticing);
                                   },

@@ -26,18 +26,6 @@ std::vector<std::string> all_kinds()
     return names;
 }
 
-std::vector<OptionValue> settings_of(std::string_view kind, std::span<const std::string> sets)
-{
-    std::vector<OptionValue> values;
-    for (const std::string& text : sets) {
-        const auto set = parse_set(text);
-        if (set && set->algorithm == tree_set_name(kind)) {
-            values.emplace_back(set->option, set->value);
-        }
-    }
-    return values;
-}
-
 // Errors name `where` it was set.
 Result<bool> check_options(std::string_view kind, std::span<const OptionValue> options,
                            std::string_view where)
@@ -52,7 +40,7 @@ Result<bool> check_settings(std::span<const std::string> sets,
                             std::span<const HierarchyChoice> choices)
 {
     for (const HierarchyKind& kind : hierarchy_kinds()) {
-        const std::vector<OptionValue> values = settings_of(kind.name, sets);
+        const std::vector<OptionValue> values = settings_of(tree_set_name(kind.name), sets);
         if (values.empty()) {
             continue;
         }
@@ -91,7 +79,7 @@ Result<HierarchyChoice> parse_choice(const std::string& text, std::span<const st
         !checked) {
         return checked.error();
     }
-    HierarchyChoice choice{entry->name, text, settings_of(entry->name, sets)};
+    HierarchyChoice choice{entry->name, text, settings_of(tree_set_name(entry->name), sets)};
     choice.options.insert(choice.options.end(), entry->options.begin(), entry->options.end());
     return choice;
 }

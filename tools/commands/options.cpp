@@ -69,6 +69,18 @@ Result<SetOption> parse_set(std::string_view text)
                      std::string{text.substr(equals + 1)}};
 }
 
+std::vector<OptionValue> settings_of(std::string_view name, std::span<const std::string> sets)
+{
+    std::vector<OptionValue> values;
+    for (const std::string& text : sets) {
+        const auto set = parse_set(text);
+        if (set && set->algorithm == name) {
+            values.emplace_back(set->option, set->value);
+        }
+    }
+    return values;
+}
+
 std::optional<NamedEntry> parse_entry(std::string_view text)
 {
     NamedEntry entry{std::string{text.substr(0, text.find(':'))}, {}};

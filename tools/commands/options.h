@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -105,6 +106,10 @@ struct SetOption {
     std::string value;
 };
 Result<SetOption> parse_set(std::string_view text);
+
+/// The settings of `sets` for an algorithm, or for a hierarchy by its tree_set_name(). What is no
+/// setting is left out: choose_contenders() says so.
+std::vector<OptionValue> settings_of(std::string_view name, std::span<const std::string> sets);
 
 /// "lazy_grid:update=busy": one of a list, with options of its own.
 struct NamedEntry {
