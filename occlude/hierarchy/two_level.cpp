@@ -489,9 +489,9 @@ bool TwoLevelTree::needs_rebuild(const SceneNode& node) const
            std::max(allowed, static_cast<float>(options_.leaf_objects));
 }
 
-bool TwoLevelTree::links_are_stale() const
+bool TwoLevelTree::needs_layout() const
 {
-    return stale_links_ > scene_[kRoot].subtree_objects / kObjectsPerStaleLink;
+    return layout_stale_ || stale_links_ > scene_[kRoot].subtree_objects / kObjectsPerStaleLink;
 }
 
 // Rebuilds at most one subtree: of those that need it the one with the most changes, the upper one
@@ -682,13 +682,13 @@ void TwoLevelTree::update(std::span<const ItemBounds> bounds_by_item)
         relink(slot);
     }
     moved_.clear();
-    if (layout_stale_ || links_are_stale() || !anything) {
+    if (needs_layout() || !anything) {
         reconstruct();
     }
     if (anything || layout_stale_) { // cells of a rebuilt subtree are restless, too
         restless_until_ = updates_ + options_.quiet_frames;
     }
-    if (layout_stale_ || links_are_stale()) {
+    if (needs_layout()) {
         lay_out(bounds_by_item);
     } else if (anything || updates_ <= restless_until_) {
         TwoLevelNodes info = hierarchy_.take_two_level();

@@ -156,7 +156,7 @@ private:
     void count_change(uint32_t from, uint32_t to);
     void mark_restless(uint32_t node);
 
-    bool links_are_stale() const;
+    bool needs_layout() const;
     void reconstruct();
     bool needs_rebuild(const SceneNode& node) const;
     void rebuild(uint32_t node);
