@@ -1,5 +1,7 @@
 #include <occlude/hierarchy/two_level.h>
 
+#include "support/loose_boxes.h"
+
 #include <occlude/core/rng.h>
 
 #include <glm/ext/matrix_transform.hpp>
@@ -287,18 +289,10 @@ TEST(TwoLevelTree, ASubtreeThatIsRebuiltWhenAllIsQuietBecomesTightToo)
         world.update();
     }
     EXPECT_EQ(world.tree.rebuild_count(), rebuilds + 1);
-    const auto loose = [&] {
-        size_t count = 0;
-        const Hierarchy& tree = world.tree.hierarchy();
-        for (size_t i = 0; i < tree.nodes().size(); ++i) {
-            count += tree.two_level().box[i] != tree.nodes()[i].box ? 1 : 0;
-        }
-        return count;
-    };
-    EXPECT_GT(loose(), 10u);
+    EXPECT_GT(test::loose_boxes(world.tree.hierarchy()), 10u);
     world.update();
     world.update();
-    EXPECT_EQ(loose(), 0u);
+    EXPECT_EQ(test::loose_boxes(world.tree.hierarchy()), 0u);
 }
 
 TEST(TwoLevelTree, StaysSoundWhileObjectsComeGoAndMove)

@@ -4,6 +4,7 @@
 #include "measure/moving_tree.h"
 #include "render/cpu_renderer.h"
 #include "scenes/paths.h"
+#include "support/loose_boxes.h"
 #include "tools/scene_checks.h"
 #include "tools/temp_folder.h"
 
@@ -146,11 +147,7 @@ TEST(Movers, LeaveTightBoxesBehindOnceTheyHaveBeenQuiet)
     MotionPlayer player{model, scene, relinked, **renderer};
     for (size_t frame = 0; frame < 12; ++frame) {
         player.go_to(frame);
-        size_t loose = 0;
-        const Hierarchy& hierarchy = tree.hierarchy();
-        for (size_t i = 0; i < hierarchy.nodes().size(); ++i) {
-            loose += hierarchy.two_level().box[i] != hierarchy.nodes()[i].box ? 1 : 0;
-        }
+        const size_t loose = occlude::test::loose_boxes(tree.hierarchy());
         if (frame <= 4 + 2) { // moved in frame 4 for the last time
             EXPECT_GT(loose, 0u) << frame;
         } else {

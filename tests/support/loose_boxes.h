@@ -1,0 +1,21 @@
+// What a two-level tree tests as more than it holds.
+#pragma once
+
+#include <occlude/hierarchy/hierarchy.h>
+
+#include <cstddef>
+
+namespace occlude::test {
+
+/// Nodes of a two-level tree whose test box is not the box around their contents. Where no object is
+/// turned, those are the restless ones.
+inline size_t loose_boxes(const Hierarchy& tree)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < tree.nodes().size(); ++i) {
+        count += tree.two_level().box[i] != tree.nodes()[i].box ? 1 : 0;
+    }
+    return count;
+}
+
+} // namespace occlude::test
