@@ -122,16 +122,21 @@ public:
         const auto above = std::partition(below, order.end(), [&](uint32_t item) {
             return is_below(box_of(item), cut.axis, cut.plane);
         });
-        keep(node, {order.begin(), below});
-        const std::array<Order, 2> sides{Order{below, above}, Order{above, order.end()}};
+        std::array<Order, 3> parts{Order{order.begin(), below}, Order{below, above},
+                                   Order{above, order.end()}};
+        if (options_.straddling == BspOptions::Straddling::own) {
+            keep(node, parts[0]);
+            parts[0] = {};
+        }
         size_t child = nodes_.size();
         nodes_[node].first_child = NodeId{child};
-        nodes_[node].child_count = (sides[0].empty() ? 0u : 1u) + (sides[1].empty() ? 0u : 1u);
+        nodes_[node].child_count = static_cast<uint32_t>(
+            std::ranges::count_if(parts, [](Order part) { return !part.empty(); }));
         nodes_.resize(child + nodes_[node].child_count);
-        for (const Order side : sides) {
-            if (!side.empty()) {
-                const auto before = static_cast<size_t>(side.data() - order.data());
-                build(child++, side, first_item + before, depth + 1);
+        for (const Order part : parts) {
+            if (!part.empty()) {
+                const auto before = static_cast<size_t>(part.data() - order.data());
+                build(child++, part, first_item + before, depth + 1);
             }
         }
     }

@@ -32,8 +32,17 @@ std::vector<uint32_t> own(const Hierarchy& tree, uint32_t node)
     return ids;
 }
 
-// Valid, every item once, and siblings apart: some axis has a plane between them.
-void expect_good(const Hierarchy& tree, std::span<const ItemBounds> items)
+void expect_apart(const Aabb& low, const Aabb& high)
+{
+    bool apart = false;
+    for (int axis = 0; axis < 3; ++axis) {
+        apart = apart || low.max[axis] <= high.min[axis];
+    }
+    ASSERT_TRUE(apart);
+}
+
+// Valid, every item once.
+void expect_valid(const Hierarchy& tree, std::span<const ItemBounds> items)
 {
     ASSERT_EQ(validate(tree), "");
     ASSERT_EQ(tree.items().size(), items.size());
@@ -43,16 +52,17 @@ void expect_good(const Hierarchy& tree, std::span<const ItemBounds> items)
         ASSERT_EQ(tree.item_bounds()[i].box, sanitized(items[tree.items()[i].value].box));
     }
     ASSERT_EQ(seen.size(), items.size());
+}
+
+// ... and siblings apart: some axis has a plane between them.
+void expect_good(const Hierarchy& tree, std::span<const ItemBounds> items)
+{
+    expect_valid(tree, items);
     for (const Node& node : tree.nodes()) {
         ASSERT_LE(node.child_count, 2u);
         if (node.child_count == 2) {
-            const Aabb& low = tree.nodes()[node.first_child.value].box;
-            const Aabb& high = tree.nodes()[node.first_child.value + 1].box;
-            bool apart = false;
-            for (int axis = 0; axis < 3; ++axis) {
-                apart = apart || low.max[axis] <= high.min[axis];
-            }
-            ASSERT_TRUE(apart);
+            expect_apart(tree.nodes()[node.first_child.value].box,
+                         tree.nodes()[node.first_child.value + 1].box);
         }
     }
 }
@@ -76,6 +86,53 @@ TEST(BspBuilder, AnItemThatStraddlesThePlaneStaysInTheNode)
         leaves.push_back(own(tree, node)[0]);
     }
     EXPECT_EQ(leaves, (std::vector<uint32_t>{0, 1, 2, 3}));
+}
+
+TEST(BspBuilder, ItemsThatStraddleThePlaneCanHaveANodeOfTheirOwn)
+{
+    // Two items across the first plane, x = 3.5, one above the other: a plane across y parts them.
+    std::vector<ItemBounds> items{on_x(0, 1), on_x(2, 3), on_x(4, 5), on_x(6, 7), on_x(3, 4),
+                                  on_x(3, 4)};
+    items[5].box.min.y = 4.0f;
+    items[5].box.max.y = 5.0f;
+    const Hierarchy tree = build_bsp(items, {.split = BspOptions::Split::middle,
+                                             .straddling = BspOptions::Straddling::child,
+                                             .leaf_triangles = 0});
+    expect_valid(tree, items);
+    EXPECT_TRUE(own(tree, 0).empty());
+    ASSERT_EQ(tree.nodes()[0].child_count, 3u);
+    EXPECT_EQ(tree.nodes()[1].box, merge(items[4].box, items[5].box));
+    EXPECT_EQ(tree.nodes()[2].box, merge(items[0].box, items[1].box));
+    EXPECT_EQ(tree.nodes()[3].box, merge(items[2].box, items[3].box));
+    EXPECT_EQ(tree.nodes()[1].child_count, 2u);
+    for (const Node& node : tree.nodes()) {
+        EXPECT_EQ(node.own_items, node.child_count > 0 ? 0u : 1u);
+    }
+}
+
+TEST(BspBuilder, WithThreeChildrenRandomBoxesMakeGoodTreesToo)
+{
+    const std::vector<ItemBounds> items = random_items(3000, 11);
+    for (const auto split :
+         {BspOptions::Split::cost, BspOptions::Split::middle, BspOptions::Split::median}) {
+        const auto tree_with = [&](BspOptions::Straddling straddling) {
+            return build_bsp(items,
+                             {.split = split, .straddling = straddling, .leaf_triangles = 0});
+        };
+        const Hierarchy tree = tree_with(BspOptions::Straddling::child);
+        expect_valid(tree, items);
+        size_t with_three = 0;
+        for (const Node& node : tree.nodes()) {
+            EXPECT_TRUE(node.child_count == 0 || node.own_items == 0);
+            if (node.child_count == 3) {
+                ++with_three;
+                expect_apart(tree.nodes()[node.first_child.value + 1].box,
+                             tree.nodes()[node.first_child.value + 2].box);
+            }
+        }
+        EXPECT_GT(with_three, items.size() / 100);
+        EXPECT_LT(sah_cost(tree), sah_cost(tree_with(BspOptions::Straddling::own)));
+    }
 }
 
 TEST(BspBuilder, TheCostKeepsTheHeavyItemOffThePlane)

@@ -29,12 +29,14 @@ SuiteEntry walk(Scale scale, std::string name, const Sizes& scene, std::string p
 }
 
 // Kovalcik, Sochor 2005: an axis-aligned BSP tree, and a still scene that is flown through. Theirs
-// hangs small objects into small cells; here meshes are parted between triangles, for tight boxes.
+// hangs small objects into small cells; here meshes are parted between triangles, for tight boxes, and
+// the many parts that lie across a plane are a child of their own, to be tested as well.
 SuiteEntry statistical(Scale scale, std::string name, const Sizes& scene, uint32_t part_triangles)
 {
     SuiteEntry entry = walk(scale, std::move(name), scene, "auto",
                             "frustum,stop_and_wait,statistical,chc_plus_plus");
     entry.stage.hierarchy = "bsp";
+    entry.stage.sets = {"bsp.straddling=child"};
     entry.stage.item_triangles = part_triangles;
     entry.stage.leaf_triangles = part_triangles;
     return entry;
