@@ -61,7 +61,7 @@ template <class Visit>
 void visit_options(BspOptions& o, Visit&& visit)
 {
     visit("split", o.split, "where the plane of a node goes");
-    visit("straddling", o.straddling, "items across the plane are the node's own, or in a third child");
+    visit("straddling", o.straddling, "items across the plane: the node's own, or a third child");
     visit("max_leaf_items", o.max_leaf_items, "a node of at most so many items is not split");
     visit("max_depth", o.max_depth, "a node so far below the root is not split; at most 64");
     visit("leaf_triangles", o.leaf_triangles, "nodes of at most so many become leaves; 0: none");

@@ -91,8 +91,8 @@ TEST(BspBuilder, AnItemThatStraddlesThePlaneStaysInTheNode)
 TEST(BspBuilder, ItemsThatStraddleThePlaneCanHaveANodeOfTheirOwn)
 {
     // Two items across the first plane, x = 3.5, one above the other: a plane across y parts them.
-    std::vector<ItemBounds> items{on_x(0, 1), on_x(2, 3), on_x(4, 5), on_x(6, 7), on_x(3, 4),
-                                  on_x(3, 4)};
+    std::vector<ItemBounds> items{on_x(0, 1), on_x(2, 3), on_x(4, 5),
+                                  on_x(6, 7), on_x(3, 4), on_x(3, 4)};
     items[5].box.min.y = 4.0f;
     items[5].box.max.y = 5.0f;
     const Hierarchy tree = build_bsp(items, {.split = BspOptions::Split::middle,

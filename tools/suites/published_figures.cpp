@@ -354,7 +354,8 @@ std::span<const Paper> papers()
               "V. Kovalcik, J. Sochor: Occlusion Culling with Statistically Optimized Occlusion "
               "Queries, WSCG 2005",
               "Theirs: Pentium 4 at 2 GHz, Radeon 9700. No OC is `frustum`, Simple OC "
-              "`stop_and_wait`, Stat. OC `statistical`, all on `bsp`."},
+              "`stop_and_wait`, Stat. OC `statistical`, all on `bsp`, with `straddling=child` for "
+              "the plant and the teapots."},
         Paper{"DYN06", "V. Kovalcik, P. Tobola: Fast Rendering of Complex Dynamic Scenes, 2006",
               "Theirs: Sempron 3000+, Radeon 9500. VFC is `frustum`, Simple `stop_and_wait`, Full "
               "`two_level`, all on the tree `two_level` over exactly cut meshes."},
@@ -363,7 +364,8 @@ std::span<const Paper> papers()
               "Occlusion Grid, 2001",
               "Theirs: Athlon at 900 MHz, GeForce2 GTS. None is `frustum`, lazy and busy are "
               "`lazy_grid` with `update=lazy` and `update=busy`; cells of 32 x 32 pixels, boxes of "
-              "at most 1,500 triangles."},
+              "at most 1,500 triangles. In the city up to 256 boxes wait for pixels at once, and a "
+              "read-back takes whole rows of cells (`tests_at_once`, `join`)."},
         Paper{"GEMS29", "D. Sekulic: Efficient Occlusion Culling, GPU Gems, chapter 29, 2004",
               "Rules of thumb for the hardware of 2004. One test per object is `batch_and_wait`, "
               "the answers of the last frame are `next_frame`."},
