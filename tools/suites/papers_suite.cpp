@@ -66,12 +66,12 @@ SuiteEntry statistical_plant(Scale scale, const Sizes& scene)
     return entry;
 }
 
-// ... and one test per object, as in GPU Gems 29.
-SuiteEntry teapots_entry(Scale scale, std::string name, const Sizes& scene, uint32_t part_triangles)
+// The teapots, with the whole heap ahead.
+SuiteEntry statistical_teapots(Scale scale, const Sizes& scene)
 {
-    SuiteEntry entry = statistical(scale, std::move(name), scene, part_triangles);
+    SuiteEntry entry = statistical(scale, "teapots", scene, scale == Scale::full ? 2048 : 512);
     test_what_straddles(entry);
-    entry.algorithms += ",batch_and_wait,next_frame";
+    entry.stage.path = "drift";
     entry.stage.frames = 120;
     return entry;
 }
@@ -164,6 +164,18 @@ SuiteEntry objects(Scale scale, std::string name, const Sizes& scene)
                 "frustum,batch_and_wait,next_frame,chc_plus_plus");
 }
 
+// ... teapots in one piece.
+SuiteEntry teapot_objects(Scale scale, const Sizes& scene)
+{
+    constexpr uint32_t kMoreThanATeapotHas = 8192;
+    SuiteEntry entry = objects(scale, "teapot_objects", scene);
+    entry.stage.item_triangles = kMoreThanATeapotHas;
+    entry.stage.leaf_triangles = kMoreThanATeapotHas;
+    entry.stage.path = "drift";
+    entry.stage.frames = 60;
+    return entry;
+}
+
 } // namespace
 
 std::vector<SuiteEntry> papers_entries(Scale scale)
@@ -180,7 +192,7 @@ std::vector<SuiteEntry> papers_entries(Scale scale)
     const glm::ivec2 high{1280, 960};
     return {statistical_plant(scale, plant),
             statistical(scale, "library", library, 512),
-            teapots_entry(scale, "teapots", teapots, 512),
+            statistical_teapots(scale, teapots),
             two_level_plant(scale, large_plant),
             bunnies_in_motion(scale, bunnies, scale == Scale::full ? 1000 : 200),
             lazy_grid(scale, "forest_640", forest, "auto", low),
@@ -195,6 +207,7 @@ std::vector<SuiteEntry> papers_entries(Scale scale)
                     {"boxcity:count=40000,triangles=12", "boxcity:count=4000,triangles=12"}),
             objects(scale, "boxes_252",
                     {"boxcity:count=40000,triangles=252", "boxcity:count=4000,triangles=252"}),
+            teapot_objects(scale, teapots),
             hollow(scale, "pyramids", {"pyramids:count=4000", "pyramids"}),
             hollow(scale, "rings", {"rings:count=4000", "rings"})};
 }
