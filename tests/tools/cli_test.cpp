@@ -146,8 +146,9 @@ TEST(Cli, SettingsMustReachAnAlgorithmThatTakesPart)
 TEST(Cli, SettingsReachHierarchiesByTheirNames)
 {
     const std::string scene = scene_file();
-    expect_refused({"bench", scene, "--hierarchy", "bsp", "--set", "bsp.splat=1"},
-                   {"--set bsp", "'splat'", "split, straddling, max_leaf_items, max_depth, leaf_triangles"});
+    expect_refused(
+        {"bench", scene, "--hierarchy", "bsp", "--set", "bsp.splat=1"},
+        {"--set bsp", "'splat'", "split, straddling, max_leaf_items, max_depth, leaf_triangles"});
     expect_refused({"bench", scene, "--hierarchy", "bsp", "--set", "bsp.split=best"},
                    {"--set bsp", "'best'", "cost middle median"});
     expect_refused({"bench", scene, "--set", "grid.items_per_cell=2"},
