@@ -35,8 +35,9 @@ BoxProjector::BoxProjector(const View& view)
     set_columns(view, glm::dmat4{clip}, magnitude(clip));
 }
 
-BoxProjector::BoxProjector(const View& view, const glm::mat4& world_from_box)
-    : inflation{.per_diagonal = 0.0f, .per_coordinate = 0.0f}
+BoxProjector::BoxProjector(const View& view, const glm::mat4& world_from_box,
+                           const Inflation& own_inflation)
+    : inflation(own_inflation)
 {
     const glm::mat4& clip = view.clip_from_world();
     // A device goes by way of the world, and so do the terms that it rounds.
@@ -183,11 +184,10 @@ ScreenBounds project(const View& view, const Aabb& box)
     return bounds;
 }
 
-void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<ScreenBounds> bounds,
-                   Kernel kernel)
+static void project_by(const detail::BoxProjector& projector, std::span<const Aabb> boxes,
+                       std::span<ScreenBounds> bounds, Kernel kernel)
 {
     OCCLUDE_ASSERT(boxes.size() == bounds.size(), "project_boxes needs one result per box");
-    const detail::BoxProjector projector{view};
     if (kernel == Kernel::simd) {
         detail::project_boxes_simd(projector, boxes, bounds);
         return;
@@ -195,6 +195,18 @@ void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<Scre
     for (size_t i = 0; i < boxes.size(); ++i) {
         projector.project(boxes[i], bounds[i]);
     }
+}
+
+void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<ScreenBounds> bounds,
+                   Kernel kernel)
+{
+    project_by(detail::BoxProjector{view}, boxes, bounds, kernel);
+}
+
+void project_boxes(const View& view, const glm::mat4& world_from_object, const Inflation& inflation,
+                   std::span<const Aabb> boxes, std::span<ScreenBounds> bounds, Kernel kernel)
+{
+    project_by(detail::BoxProjector{view, world_from_object, inflation}, boxes, bounds, kernel);
 }
 
 } // namespace occlude

@@ -176,7 +176,8 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRang
     return true;
 }
 
-bool DepthPyramid::hides(const ScreenBox& box, const PixelRect& rect, uint32_t most_texels) const
+bool DepthPyramid::hides_within(const ScreenBox& box, const PixelRect& rect,
+                                uint32_t& texels_left) const
 {
     detail::TexelRange pixels;
     if (!detail::clip(rect, size_px(), pixels)) {
@@ -190,7 +191,7 @@ bool DepthPyramid::hides(const ScreenBox& box, const PixelRect& rect, uint32_t m
     const int level = detail::coarse_level(pixels);
     for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
         for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
-            if (!texel_hides(level, {x, y}, pixels, box, most_texels)) {
+            if (!texel_hides(level, {x, y}, pixels, box, texels_left)) {
                 return false;
             }
         }

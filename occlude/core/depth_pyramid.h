@@ -62,7 +62,12 @@ public:
     /// The same of a box instead of its rectangle, as far as at most `most_texels` texels decide it:
     /// true only if every sample of anything in the box is farther than its pixel. `rect` is that of
     /// the box's ScreenBounds.
-    bool hides(const ScreenBox& box, const PixelRect& rect, uint32_t most_texels) const;
+    bool hides(const ScreenBox& box, const PixelRect& rect, uint32_t most_texels) const
+    {
+        return hides_within(box, rect, most_texels);
+    }
+    /// ... and takes what it looked at from `texels_left`, which several boxes can share.
+    bool hides_within(const ScreenBox& box, const PixelRect& rect, uint32_t& texels_left) const;
 
     /// Writes 1 to hidden[i] where the bounds are valid and hides(rect, near_depth, refinement), else
     /// 0, with either kernel. Precondition: hidden.size() == bounds.size().

@@ -44,6 +44,12 @@ ScreenBounds project(const View& view, const Aabb& box);
 void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<ScreenBounds> bounds,
                    Kernel kernel = Kernel::simd);
 
+/// The same of boxes in the space of an object, which are inflated there: `inflation` is
+/// Inflation::in() of that space. About 0.1 us more.
+void project_boxes(const View& view, const glm::mat4& world_from_object, const Inflation& inflation,
+                   std::span<const Aabb> boxes, std::span<ScreenBounds> bounds,
+                   Kernel kernel = Kernel::simd);
+
 /// The same of the boxes of tests: in their own spaces, and inflated already. Precondition:
 /// bounds.size() == boxes.size().
 void project_query_boxes(const View& view, std::span<const QueryBox> boxes,

@@ -29,7 +29,8 @@ constexpr double kSteepest = 1e7;
 } // namespace
 
 ScreenSpace::ScreenSpace(const View& view, SamplePositions samples)
-    : view_(view)
+    : inflation_(view.inflation())
+    , size_px_(view.size_px())
 {
     if (samples == SamplePositions::center) {
         sample_from_ = 0.5;
@@ -60,12 +61,37 @@ ScreenSpace::ScreenSpace(const View& view, SamplePositions samples)
     }
 }
 
+// A point of the object is W^-1 times one of the world, homogeneous and affine. A device goes by way
+// of the world, or multiplies the two maps first: either way the terms that it rounds are products of
+// terms of both.
+ScreenSpace ScreenSpace::in(const glm::mat4& world_from_object, const Inflation& inflation) const
+{
+    const glm::dmat4 map{world_from_object};
+    const glm::dmat4 magnitude{detail::absolute(map[0]), detail::absolute(map[1]),
+                               detail::absolute(map[2]), detail::absolute(map[3])};
+    const glm::dmat3 inverse = glm::inverse(glm::dmat3{map});
+    ScreenSpace own = *this;
+    own.inflation_ = inflation;
+    for (int row = 0; row < 4; ++row) {
+        own.screen_rows_[row] = screen_rows_[row] * map;
+        own.magnitude_[row] = magnitude_[row] * magnitude;
+    }
+    const glm::dvec4 from_origin[3] = {world_rows_[0] - map[3].x * world_rows_[3],
+                                       world_rows_[1] - map[3].y * world_rows_[3],
+                                       world_rows_[2] - map[3].z * world_rows_[3]};
+    for (int row = 0; row < 3; ++row) {
+        own.world_rows_[row] = inverse[0][row] * from_origin[0] + inverse[1][row] * from_origin[1] +
+                               inverse[2][row] * from_origin[2];
+    }
+    return own;
+}
+
 ScreenBox::ScreenBox(const ScreenSpace& screen, const Aabb& box)
 {
-    const Aabb grown = screen.view_.inflated_for_test(box);
+    const Aabb grown = inflated(box, screen.inflation_.margin(box));
     const glm::dvec3 low{grown.min};
     const glm::dvec3 high{grown.max};
-    const glm::dvec2 size{screen.view_.size_px()};
+    const glm::dvec2& size = screen.size_px_;
 
     // What a device may be off by at the nearest point of the box.
     const glm::dvec4 reach{glm::max(detail::absolute(low), detail::absolute(high)), 1.0};

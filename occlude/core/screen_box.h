@@ -33,16 +33,21 @@ enum class SamplePositions : uint8_t {
 };
 
 /// The screen of one view: pixels and window depth (0 near, 1 far in every convention) against the
-/// world. Made once for all boxes.
+/// world, or the space of an object. Made once for all boxes of that space.
 class ScreenSpace {
 public:
     ScreenSpace() = default;
     /// `view` must be one in which boxes can be tested: project() is valid of some.
     explicit ScreenSpace(const View& view, SamplePositions samples = SamplePositions::anywhere);
 
+    /// The same of the space of an object; `inflation` is Inflation::in() of that. Preconditions:
+    /// this is of the world; `world_from_object` is affine and has an inverse. About 0.1 us.
+    ScreenSpace in(const glm::mat4& world_from_object, const Inflation& inflation) const;
+
 private:
     friend class ScreenBox;
-    View view_;
+    Inflation inflation_;
+    glm::dvec2 size_px_{0.0};
     glm::dmat4 world_rows_{1.0};  ///< X, Y, Z and W from (x px, y px, depth, 1), as columns
     glm::dmat4 screen_rows_{1.0}; ///< x, y, window depth and w of clip space from the world, also
     glm::dmat4 magnitude_{1.0};   ///< of the terms of these
@@ -52,8 +57,8 @@ private:
 
 class ScreenBox {
 public:
-    /// Of `box`, the box around the things themselves (it is inflated here, rule R2).
-    /// Precondition: project(view, box).valid.
+    /// Of `box` in the space of `screen`, the box around the things themselves (it is inflated here,
+    /// rule R2). Precondition: project(view, box).valid, or that of project_boxes() in that space.
     ScreenBox(const ScreenSpace& screen, const Aabb& box);
 
     /// A depth that nothing in the box is nearer than, over all samples of the pixels from `low` to

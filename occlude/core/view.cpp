@@ -76,6 +76,46 @@ double corner_reach(const glm::dmat4& world_from_clip, const glm::dvec3& eye, do
 
 } // namespace
 
+float inverse_stretch(const glm::mat4& map)
+{
+    const glm::dmat3 linear{map};
+    const double determinant = glm::determinant(linear);
+    if (!std::isfinite(determinant) || determinant == 0.0) {
+        return 0.0f;
+    }
+    const glm::dmat3 inverse = glm::inverse(linear);
+    const auto stretch = static_cast<float>(
+        std::sqrt(glm::dot(inverse[0], inverse[0]) + // Frobenius norm
+                  glm::dot(inverse[1], inverse[1]) + glm::dot(inverse[2], inverse[2])) *
+        (1.0 + 1e-6));
+    return std::isfinite(stretch) ? stretch : 0.0f;
+}
+
+// A length of the object grows by at most the Frobenius norm of the map, and a distance between two
+// faces of a box shrinks by at most inverse_stretch. In the margin of a coordinate c the world's is
+// at most R c + T, hence no more than 2 R max(c, T / R).
+Inflation Inflation::in(const glm::mat4& world_from_object, float inverse_stretch) const
+{
+    constexpr double kRoundedUp = 1.0 + 1e-5;
+    const glm::dmat4 map{world_from_object};
+    const glm::dmat3 linear{map};
+    const double stretch =
+        std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) +
+                  glm::dot(linear[2], linear[2]));
+    const glm::dvec3 origin{detail::absolute(glm::dvec3{map[3]})};
+    const double farthest = std::max({origin.x, origin.y, origin.z, double{reach}});
+    const double rows = 2.0 * stretch; // the sum of a row of three is at most sqrt(3) of the norm
+    Inflation own;
+    own.per_w = static_cast<float>(kRoundedUp * double{per_w} * inverse_stretch);
+    own.per_diagonal =
+        static_cast<float>(kRoundedUp * double{per_diagonal} * stretch * inverse_stretch);
+    own.per_coordinate =
+        static_cast<float>(kRoundedUp * double{per_coordinate} * 2.0 * rows * inverse_stretch);
+    own.reach = static_cast<float>(kRoundedUp * farthest / rows);
+    own.row_w = glm::vec4{glm::dvec4{row_w} * map};
+    return own;
+}
+
 View View::from_clip(const glm::mat4& clip_from_world, glm::ivec2 size_px,
                      ClipConvention convention)
 {

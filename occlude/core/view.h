@@ -15,6 +15,10 @@
 
 namespace occlude {
 
+/// The most by which the inverse of an affine map stretches a length, or somewhat more (a Frobenius
+/// norm, rounded up); 0 if it has no usable inverse.
+float inverse_stretch(const glm::mat4& map);
+
 /// How much a box must grow before it is tested (rule R2), by its size and place. Part of a View.
 struct Inflation {
     float per_w = 0.0f;              ///< 1/64 pixel at clip w = 1, in world units
@@ -22,6 +26,11 @@ struct Inflation {
     float per_coordinate = 0x1p-20f; ///< eight ulps of the largest coordinate, or of ...
     float reach = 0.0f;              ///< ... the distance of the eye from the origin
     glm::vec4 row_w{0.0f};           ///< clip w of a point is dot(row_w, (point, 1))
+
+    /// The same for boxes in the space of an affine `world_from_object`: their margin() there is at
+    /// least what things in them need in the world, in every direction. `stretch` is the most by
+    /// which the inverse stretches a length.
+    Inflation in(const glm::mat4& world_from_object, float inverse_stretch) const;
 
     /// In world units, for every direction. Precondition: `box` is bounded.
     float margin(const Aabb& box) const

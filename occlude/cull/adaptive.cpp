@@ -38,6 +38,9 @@ constexpr double kForget = 0.25;
 constexpr double kShareStep = 1.0 / 64.0;
 constexpr double kLeastShare = 0.02;
 
+// A test of a shape that took so many times what they take was disturbed.
+constexpr double kDisturbed = 16.0;
+
 // How many frames ahead a test may pay.
 constexpr double kForesight = 16.0;
 
@@ -68,7 +71,7 @@ FramePlan::Kind kind_of(TestMethod method)
 } // namespace
 
 Adaptive::Adaptive(const Hierarchy& hierarchy, AdaptiveOptions options, SecondsClock clock)
-    : CutCuller(hierarchy)
+    : CutCuller(hierarchy, DepthTests{}, options.shapes)
     , options_(options)
     , clock_(options.measure ? std::move(clock) : SecondsClock{})
 {
@@ -84,6 +87,7 @@ void Adaptive::reset_state()
     frames_since_probe_ = kRareProbe; // none yet: one may come at once
     saved_per_spent_ = 0.0;
     hidden_share_ = 0.5;
+    shape_share_ = 0.5;
     tests_per_kept_ = 0.2;
 }
 
@@ -121,6 +125,17 @@ bool Adaptive::still_visible(const Entry& entry) const
 void Adaptive::answered(bool hidden)
 {
     hidden_share_ += kShareStep * ((hidden ? 1.0 : kLeastShare) - hidden_share_);
+}
+
+// Shapes are tested one by one and are few, so that each can be timed. Without a clock the test of one
+// counts as what it took when this was written.
+void Adaptive::shape_answered(bool hidden, double us)
+{
+    shape_share_ += kShareStep * ((hidden ? 1.0 : kLeastShare) - shape_share_);
+    if (clock_) {
+        shape_us_ += kShareStep * (std::min(us, kDisturbed * shape_us_) - shape_us_);
+    }
+    shapes_us_ += clock_ ? us : shape_us_;
 }
 
 bool Adaptive::merges(CullFrame& frame, NodeId node)
@@ -190,6 +205,7 @@ void Adaptive::start_frame(CullFrame& frame)
     can_test_ = costs_.has(method_) && options_.method != AdaptiveOptions::Method::draw_all;
     tests_ = 0.0;
     spent_us_ = 0.0;
+    shapes_us_ = 0.0;
     hidden_units_ = 0.0;
     measured_ = false;
     depth_.start_frame();
@@ -315,21 +331,23 @@ bool Adaptive::read_again(CullFrame& frame)
 
 void Adaptive::by_pyramid(CullFrame& frame)
 {
-    double testing_us = -now();
+    // Shapes have a cost of their own.
+    const auto box_clock = [&] { return now() - shapes_us_; };
+    double testing_us = -box_clock();
     project_all(frame);
-    testing_us += now();
+    testing_us += box_clock();
     if (!candidates_.empty() && read_depth(frame)) {
         measure_methods(frame, candidates_);
     }
-    testing_us -= now();
+    testing_us -= box_clock();
     test_candidates(frame);
-    testing_us += now();
+    testing_us += box_clock();
     hidden_at_read_ = hidden_units_;
     reveal(frame);
     frame.flush_draws();
-    testing_us -= now();
+    testing_us -= box_clock();
     retest(frame);
-    testing_us += now();
+    testing_us += box_clock();
     if (!depth_.known()) {
         return;
     }
@@ -339,7 +357,7 @@ void Adaptive::by_pyramid(CullFrame& frame)
                       costs_.round(method_).us_per_round + testing_us);
     }
     tests_ += static_cast<double>(tests);
-    spent_us_ += tests_ * costs_.round(method_).us_per_test;
+    spent_us_ += tests_ * costs_.round(method_).us_per_test + shapes_us_;
 }
 
 // --- probes --------------------------------------------------------------------------------------
@@ -403,7 +421,8 @@ void Adaptive::probe_by_pyramid(CullFrame& frame)
             add_parts(frame, candidate, stack_);
         }
     }
-    spent_us_ += clock_ ? now() - tested_from : tests_ * costs_.round(method_).us_per_test;
+    spent_us_ +=
+        clock_ ? now() - tested_from : tests_ * costs_.round(method_).us_per_test + shapes_us_;
 }
 
 void Adaptive::cull_frame(CullFrame& frame)

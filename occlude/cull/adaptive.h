@@ -59,6 +59,8 @@ struct AdaptiveOptions {
     /// Measure by the clock. Otherwise costs stay what the device's hints say, and runs repeat.
     bool measure = true;
     uint64_t seed = 1; ///< of the choice of entries that are merged
+    /// Test the shapes of items (item_shapes.h) where their boxes are not hidden and that may pay.
+    bool shapes = true;
 };
 
 constexpr auto option_names(AdaptiveOptions::Method)
@@ -108,6 +110,12 @@ private:
     {
         return hoped_us(entry) > costs_.round(method_).us_per_test;
     }
+    bool worth_shape(const Entry& entry) const override
+    {
+        return shape_share_ * draw_us(entry) > shape_us_;
+    }
+    void shape_answered(bool hidden, double us) override;
+    double shape_clock() const override { return now(); }
     bool still_visible(const Entry& entry) const override;
     bool read_again(CullFrame& frame) override;
     void answered(bool hidden) override;
@@ -183,11 +191,14 @@ private:
     double tests_last_frame_ = 0.0;
     double last_probe_us_ = 0.0;
     double hidden_share_ = 0.5;   ///< of the work in nodes that were tested for the first time
+    double shape_share_ = 0.5;    ///< of the shapes that were tested: were hidden
+    double shape_us_ = 2.0;       ///< what the test of one takes; smoothed
     double tests_per_kept_ = 0.2; ///< queries per node that was hidden: they share them
 
     // Of the frame.
     double started_us_ = 0.0;
-    double spent_us_ = 0.0; ///< on tests
+    double spent_us_ = 0.0;  ///< on tests
+    double shapes_us_ = 0.0; ///< ... of shapes, of these
     double hidden_units_ = 0.0;
     bool measured_ = false; ///< what a method costs, beside the frame's own work
 
@@ -227,6 +238,8 @@ void visit_options(AdaptiveOptions& o, Visit&& visit)
     visit("measure", o.measure,
           "measure costs by the clock; false: the device's hints, repeatable");
     visit("seed", o.seed, "of the choice of entries of the cut that are merged");
+    visit("shapes", o.shapes,
+          "test the boxes of which an item consists where its own is not hidden");
 }
 
 } // namespace occlude

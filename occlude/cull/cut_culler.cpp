@@ -140,6 +140,28 @@ void CutCuller::draw_expected(CullFrame& frame)
     }
 }
 
+// Of an item, or of the only one of a node. Null if there is none, or nobody asks for it.
+const ItemShapes::Placed* CutCuller::shape_of(const Entry& entry) const
+{
+    if (!has_shapes() || items_of(entry) != 1) {
+        return nullptr;
+    }
+    const uint32_t place = entry.is_item() ? entry.place : hierarchy().node(entry.node).first_item;
+    return hierarchy().shapes()->find(hierarchy().items()[place]);
+}
+
+bool CutCuller::shape_hidden(const CullFrame& frame, const Entry& entry,
+                             const ItemShapes::Placed* shape)
+{
+    if (shape == nullptr || !depth_.known() || !worth_shape(entry)) {
+        return false;
+    }
+    const double from = shape_clock();
+    const bool hidden = depth_.hides(frame.view(), *shape, most_texels(entry));
+    shape_answered(hidden, shape_clock() - from);
+    return hidden;
+}
+
 // Adds those candidates that `tests` does not have yet.
 void CutCuller::prepare(const CullFrame& frame, std::span<const Candidate> candidates,
                         Tests& tests) const
@@ -148,13 +170,16 @@ void CutCuller::prepare(const CullFrame& frame, std::span<const Candidate> candi
     for (const Candidate& candidate : candidates.subspan(known)) {
         tests.boxes.push_back(box_of(candidate.entry));
         tests.most_texels.push_back(most_texels(candidate.entry));
+        if (has_shapes()) {
+            tests.shapes.push_back(shape_of(candidate.entry));
+        }
     }
     tests.bounds.resize(tests.boxes.size());
     project_boxes(frame.view(), std::span{tests.boxes}.subspan(known),
                   std::span{tests.bounds}.subspan(known));
 }
 
-void CutCuller::test(Tests& tests) const
+void CutCuller::test(const CullFrame& frame, std::span<const Candidate> candidates, Tests& tests)
 {
     tests.hidden.resize(tests.boxes.size());
     depth_.rectangles_hide(tests.bounds, tests.hidden);
@@ -164,6 +189,11 @@ void CutCuller::test(Tests& tests) const
                 depth_.closer(tests.boxes[i], tests.bounds[i], tests.most_texels[i]) ? 1 : 0;
         }
     }
+    for (size_t i = 0; i < tests.shapes.size(); ++i) {
+        if (tests.hidden[i] == 0 && shape_hidden(frame, candidates[i].entry, tests.shapes[i])) {
+            tests.hidden[i] = 1;
+        }
+    }
 }
 
 void CutCuller::project_all(CullFrame& frame)
@@ -171,6 +201,7 @@ void CutCuller::project_all(CullFrame& frame)
     for (Tests* tests : {&candidate_tests_, &expected_tests_}) {
         tests->boxes.clear();
         tests->most_texels.clear();
+        tests->shapes.clear();
     }
     prepare(frame, candidates_, candidate_tests_);
     prepare(frame, expected_, expected_tests_);
@@ -180,7 +211,7 @@ void CutCuller::project_all(CullFrame& frame)
 void CutCuller::test_candidates(CullFrame& frame)
 {
     stack_.clear();
-    test(candidate_tests_);
+    test(frame, candidates_, candidate_tests_);
     for (size_t i = 0; i < candidates_.size(); ++i) {
         Candidate& candidate = candidates_[i];
         if (candidate_tests_.hidden[i] != 0) {
@@ -245,7 +276,7 @@ void CutCuller::reveal(CullFrame& frame)
 void CutCuller::retest(CullFrame& frame)
 {
     prepare(frame, expected_, expected_tests_);
-    test(expected_tests_);
+    test(frame, expected_, expected_tests_);
     for (size_t i = 0; i < expected_.size(); ++i) {
         Entry& entry = expected_[i].entry;
         if (expected_tests_.hidden[i] != 0) {

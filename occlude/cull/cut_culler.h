@@ -21,6 +21,7 @@
 #include <occlude/cull/culler.h>
 #include <occlude/cull/depth_tests.h>
 #include <occlude/cull/hierarchy_cut.h>
+#include <occlude/hierarchy/item_shapes.h>
 
 #include <cstdint>
 #include <span>
@@ -48,9 +49,11 @@ protected:
         uint32_t together = 0; ///< for `adaptive`: number of the part of a failed group, or 0
     };
 
-    explicit CutCuller(const Hierarchy& hierarchy, DepthTests depth = DepthTests{})
+    explicit CutCuller(const Hierarchy& hierarchy, DepthTests depth = DepthTests{},
+                       bool use_shapes = true)
         : Culler(hierarchy)
         , depth_(depth)
+        , use_shapes_(use_shapes)
     {
     }
 
@@ -58,10 +61,15 @@ protected:
 
     /// False if `node` is drawn as a whole where it is visible.
     virtual bool opens(NodeId node) const = 0;
-    /// How many texels the test of faces may look at.
+    /// How many texels the test of faces may look at, and that of a shape again.
     virtual uint32_t most_texels(const Entry& entry) const = 0;
     /// Is something of which nothing is known tested, or drawn at once?
     virtual bool worth_testing(const Entry&) const { return true; }
+    /// Is the shape of something tested whose box is not hidden?
+    virtual bool worth_shape(const Entry&) const { return true; }
+    /// ... and the answer, for which the program took `us` since shape_clock() was asked.
+    virtual void shape_answered(bool /*hidden*/, double /*us*/) {}
+    virtual double shape_clock() const { return 0.0; }
     /// False if what was visible turned out hidden since the last frame.
     virtual bool still_visible(const Entry&) const { return true; }
     /// Asked while things are revealed, before each test: reads depth again if that is due.
@@ -115,9 +123,10 @@ protected:
     void draw(CullFrame& frame, const Candidate& candidate, Decision decision) const;
     /// What an opened node consists of: its own items and its children, the farthest first.
     void add_parts(const CullFrame& frame, const Candidate& candidate, std::vector<Candidate>& out);
-    bool hidden(const CullFrame& frame, const Entry& entry) const
+    bool hidden(const CullFrame& frame, const Entry& entry)
     {
-        return depth_.hides(frame.view(), box_of(entry), most_texels(entry));
+        return depth_.hides(frame.view(), box_of(entry), most_texels(entry)) ||
+               shape_hidden(frame, entry, shape_of(entry));
     }
     /// Found hidden; not drawn in this frame unless `decision` is undecided.
     void keep_hidden(CullFrame& frame, Entry entry, Decision decision);
@@ -140,10 +149,17 @@ private:
         std::vector<Aabb> boxes;
         std::vector<ScreenBounds> bounds;
         std::vector<uint32_t> most_texels;
+        std::vector<const ItemShapes::Placed*> shapes; ///< null: none; empty: none of them has one
         std::vector<uint8_t> hidden;
     };
     void prepare(const CullFrame& frame, std::span<const Candidate> candidates, Tests& tests) const;
-    void test(Tests& tests) const;
+    void test(const CullFrame& frame, std::span<const Candidate> candidates, Tests& tests);
+    bool has_shapes() const
+    {
+        return use_shapes_ && hierarchy().shapes() != nullptr && !hierarchy().shapes()->empty();
+    }
+    const ItemShapes::Placed* shape_of(const Entry& entry) const;
+    bool shape_hidden(const CullFrame& frame, const Entry& entry, const ItemShapes::Placed* shape);
     void open(CullFrame& frame, const Candidate& candidate, bool tested);
 
     struct Part {
@@ -151,6 +167,7 @@ private:
         NodeId node;
         uint32_t place;
     };
+    bool use_shapes_;
     std::vector<Part> parts_;
     Tests expected_tests_;
     Tests candidate_tests_;

@@ -2,7 +2,12 @@
 
 #include <occlude/cull/cull_frame.h>
 
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace occlude {
 
@@ -41,6 +46,52 @@ bool DepthTests::closer(const Aabb& box, const ScreenBounds& bounds, uint32_t mo
     }
     return most_texels > 0 ? pyramid_.hides(ScreenBox{screen_, box}, bounds.rect, most_texels)
                            : pyramid_.hides(bounds.rect, bounds.near_depth);
+}
+
+// Beyond this condition (an upper bound, of Frobenius norms) the planes of an object's boxes would be
+// a matter of rounding.
+static constexpr float kWorstCondition = 1000.0f;
+
+static bool invertible(const glm::mat4& map, float inverse_stretch)
+{
+    const glm::mat3 linear{map};
+    const float squared = glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) +
+                          glm::dot(linear[2], linear[2]);
+    const float condition = std::sqrt(squared) * inverse_stretch;
+    return condition > 0.0f && condition < kWorstCondition; // neither for NaN
+}
+
+bool DepthTests::hides(const View& view, const ItemShapes::Placed& placed,
+                       uint32_t most_texels) const
+{
+    const glm::mat4& map = placed.world_from_shape;
+    const float shrink = inverse_stretch(map);
+    if (!known_ || !invertible(map, shrink)) {
+        return false;
+    }
+    const Inflation inflation = view.inflation().in(map, shrink);
+    const ScreenSpace screen = screen_.in(map, inflation);
+    std::array<ScreenBounds, 32> block;
+    std::array<uint8_t, 32> hidden;
+    uint32_t texels_left = most_texels;
+    const std::span<const Aabb> boxes{*placed.shape};
+    for (size_t first = 0; first < boxes.size(); first += block.size()) {
+        const std::span<const Aabb> some =
+            boxes.subspan(first, std::min(block.size(), boxes.size() - first));
+        const std::span bounds = std::span{block}.first(some.size());
+        project_boxes(view, map, inflation, some, bounds);
+        rectangles_hide(bounds, std::span{hidden}.first(some.size()));
+        for (size_t i = 0; i < some.size(); ++i) {
+            const bool is_hidden =
+                hidden[i] != 0 ||
+                (refine_ && bounds[i].valid &&
+                 pyramid_.hides_within(ScreenBox{screen, some[i]}, bounds[i].rect, texels_left));
+            if (!is_hidden) {
+                return false;
+            }
+        }
+    }
+    return true;
 }
 
 bool DepthTests::hides(const View& view, const Aabb& box, uint32_t most_texels) const

@@ -3,6 +3,8 @@
 //   rectangle   the box's rectangle of pixels and its nearest depth, against at most 4x4 texels
 //   closer      where that does not hide it: the box itself, by its faces, texel by texel down to
 //               pixels, as long as that pays; or its rectangle, down to pixels
+//   a shape     the boxes of a shape (item_shapes.h), each by its rectangle and by its faces, in the
+//               space of the object: until one of them is not hidden
 //
 // Guarantees  Errs toward "not hidden", as DepthPyramid and ScreenBox do.
 #pragma once
@@ -10,6 +12,7 @@
 #include <occlude/core/depth_pyramid.h>
 #include <occlude/core/projection.h>
 #include <occlude/core/screen_box.h>
+#include <occlude/hierarchy/item_shapes.h>
 
 #include <cstdint>
 #include <span>
@@ -42,6 +45,11 @@ public:
     void rectangles_hide(std::span<const ScreenBounds> bounds, std::span<uint8_t> hidden) const;
     /// ... and a closer look at one of the others.
     bool closer(const Aabb& box, const ScreenBounds& bounds, uint32_t most_texels) const;
+
+    /// True if every box of the shape is farther than what was drawn, or misses the target. Their
+    /// faces are tested with at most `most_texels` together.
+    /// False under a map that is hard to invert.
+    bool hides(const View& view, const ItemShapes::Placed& placed, uint32_t most_texels) const;
 
 private:
     bool refine_;

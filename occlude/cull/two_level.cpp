@@ -24,22 +24,6 @@ bool overlap(const PixelRect& a, const PixelRect& b)
            b.y < a.y + a.height;
 }
 
-// The most that the inverse of a map stretches a length; 0 if it has no usable inverse.
-float inverse_stretch(const glm::mat4& map)
-{
-    const glm::dmat3 linear{map};
-    const double determinant = glm::determinant(linear);
-    if (!std::isfinite(determinant) || determinant == 0.0) {
-        return 0.0f;
-    }
-    const glm::dmat3 inverse = glm::inverse(linear);
-    const auto stretch = static_cast<float>(
-        std::sqrt(glm::dot(inverse[0], inverse[0]) + // Frobenius norm
-                  glm::dot(inverse[1], inverse[1]) + glm::dot(inverse[2], inverse[2])) *
-        (1.0 + 1e-6));
-    return std::isfinite(stretch) ? stretch : 0.0f;
-}
-
 // Groups of at most so many are tested node by node if something in them is visible.
 constexpr uint32_t kMostSingly = kLeastHalved - 1;
 

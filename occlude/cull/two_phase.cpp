@@ -16,7 +16,7 @@ constexpr uint64_t kSeed = 1;
 } // namespace
 
 TwoPhase::TwoPhase(const Hierarchy& hierarchy, TwoPhaseOptions options)
-    : CutCuller(hierarchy, DepthTests{options.refine})
+    : CutCuller(hierarchy, DepthTests{options.refine}, options.shapes)
     , options_(options)
 {
     retest_revealed_ = options_.final_depth;

@@ -40,6 +40,8 @@ struct TwoPhaseOptions {
     /// Choose the visible set of the next frame by the depth of the finished frame, read back once
     /// more, instead of that of phase 1.
     bool final_depth = false;
+    /// Test the shapes of items (item_shapes.h) where their boxes are not hidden.
+    bool shapes = true;
 };
 
 class TwoPhase final : public CutCuller {
@@ -66,6 +68,8 @@ void visit_options(TwoPhaseOptions& o, Visit&& visit)
           "newly visible triangles after which depth is read again; 0 is never");
     visit("final_depth", o.final_depth,
           "choose what is drawn first in the next frame by this frame's final depth");
+    visit("shapes", o.shapes,
+          "test the boxes of which an item consists where its own is not hidden");
 }
 
 } // namespace occlude

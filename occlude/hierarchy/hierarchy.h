@@ -89,6 +89,8 @@ struct TwoLevelNodes {
     bool empty() const { return lineage == 0; }
 };
 
+class ItemShapes;
+
 class Hierarchy {
 public:
     std::span<const Node> nodes() const { return nodes_; }
@@ -149,6 +151,12 @@ public:
     /// not what vectors hold in reserve.
     size_t memory_bytes() const;
 
+    /// Tighter bounds of some items (item_shapes.h), for the cullers that use them; null: none.
+    const ItemShapes* shapes() const { return shapes_; }
+    /// `shapes` must stay where they are, and be in step with the boxes, while cullers walk the
+    /// tree. They outlast a refit, and belong to no new tree.
+    void set_shapes(const ItemShapes* shapes) { shapes_ = shapes; }
+
     /// What a two-level tree knows of its nodes; empty for other trees, and after refit().
     const TwoLevelNodes& two_level() const { return two_level_; }
     /// Precondition: one entry per node in `object`, `box` and `key`. Node ids keep their meaning.
@@ -193,6 +201,7 @@ private:
     std::vector<FlaggedItem> flagged_;
     TwoLevelNodes two_level_;
     PlaceIndex places_;
+    const ItemShapes* shapes_ = nullptr;
     uint64_t structure_version_ = 0;
 };
 

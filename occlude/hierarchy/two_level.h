@@ -91,6 +91,9 @@ public:
     /// world bounds of all items now, indexed by ItemId. Nothing moved: O(1).
     void update(std::span<const ItemBounds> bounds_by_item);
 
+    /// What hierarchy().shapes() is from now on.
+    void set_shapes(const ItemShapes* shapes) { hierarchy_.set_shapes(shapes); }
+
     /// The tree as of the last update(): of a scene node, the children are the parts of its cell and
     /// then its complex objects, the own items its simple objects. Lives as long as this does.
     const Hierarchy& hierarchy() const { return hierarchy_; }

@@ -17,6 +17,7 @@ void Scene::place(const Object& object)
 {
     for (uint32_t i = object.first_item; i < object.first_item + object.item_count; ++i) {
         bounds_[i].box = transformed(object.world_from_object, local_boxes_[i]);
+        shapes_.move(ItemId{i}, object.world_from_object);
     }
 }
 
@@ -51,6 +52,7 @@ ObjectId Scene::add(const glm::mat4& world_from_object, std::span<const ItemDesc
         bounds_[first + i].triangles = items[i].triangles;
         bounds_[first + i].flags = items[i].flags;
         local_boxes_[first + i] = items[i].local_box;
+        shapes_.place(ItemId{first + i}, items[i].shape, world_from_object);
         owner_[first + i] = slot;
         triangles_ += items[i].triangles;
     }
@@ -81,6 +83,7 @@ bool Scene::remove(ObjectId id)
     for (uint32_t i = object.first_item; i < object.first_item + object.item_count; ++i) {
         triangles_ -= bounds_[i].triangles;
         bounds_[i] = ItemBounds{};
+        shapes_.remove(ItemId{i});
     }
     if (free_items_.size() <= object.item_count) {
         free_items_.resize(object.item_count + 1);

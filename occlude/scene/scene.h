@@ -8,10 +8,12 @@
 #include <occlude/core/aabb.h>
 #include <occlude/core/ids.h>
 #include <occlude/hierarchy/hierarchy.h>
+#include <occlude/hierarchy/item_shapes.h>
 
 #include <glm/mat4x4.hpp>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,6 +23,9 @@ struct ItemDesc {
     Aabb local_box; ///< in the space of the object
     uint32_t triangles = 0;
     ItemFlags flags = ItemFlags::none;
+    /// Tighter bounds, in the space of the object as well; null: only the box. Shared by objects
+    /// that look alike.
+    std::shared_ptr<const Shape> shape = {};
 };
 
 class Scene {
@@ -53,6 +58,10 @@ public:
     std::span<const ItemBounds> item_bounds() const { return bounds_; }
     ItemFlags item_flags(ItemId item) const { return bounds_[item.value].flags; }
 
+    /// The shapes of the items that have one: Hierarchy::set_shapes(&scene.shapes()). They follow
+    /// every add, move and remove, and stay where they are as long as the scene does.
+    const ItemShapes& shapes() const { return shapes_; }
+
     /// Triangles of all living items.
     uint64_t triangle_count() const { return triangles_; }
 
@@ -75,6 +84,7 @@ private:
     std::vector<uint32_t> free_objects_;
     std::vector<ItemBounds> bounds_;
     std::vector<Aabb> local_boxes_;
+    ItemShapes shapes_;
     std::vector<uint32_t> owner_;
     std::vector<std::vector<uint32_t>> free_items_; ///< first slots of free runs, by run length
     size_t live_objects_ = 0;

@@ -20,7 +20,8 @@ public:
     }
 
     /// Takes over what was added, moved and removed since the last call, and updates the tree. Call
-    /// it once per frame, always with the same scene. Nothing moved: O(1), else O(items) and what
+    /// it once per frame, always with the same scene, which must stay where it is: the tree knows its
+    /// shapes. Nothing moved: O(1), else O(items) and what
     /// TwoLevelTree::update() costs.
     void sync(const Scene& scene);
 

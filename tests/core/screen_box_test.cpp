@@ -113,6 +113,82 @@ TEST(ScreenBox, NothingInABoxIsNearerThanItSays)
     EXPECT_GT(tighter, tested / 4) << "no better than rectangles";
 }
 
+// The same of boxes in the space of objects that are turned, stretched, mirrored and far away.
+TEST(ScreenBox, NothingInABoxOfAnObjectIsNearerThanItSays)
+{
+    Rng rng{12};
+    uint32_t tested = 0;
+    uint32_t tighter = 0;
+    for (const test::Projection& projection : test::all_projections()) {
+        const View view = View::from_clip(projection.clip_from_eye, kSize, projection.convention);
+        const ScreenSpace screen{view};
+        for (int i = 0; i < 400; ++i) {
+            const auto vector = [&](float low, float high) {
+                return glm::vec3{rng.range(low, high), rng.range(low, high), rng.range(low, high)};
+            };
+            const float size = i % 3 == 0 ? 1000.0f : 1.0f; // as where a file counts in millimetres
+            const glm::vec3 place{rng.range(-40.0f, 40.0f), rng.range(-30.0f, 30.0f),
+                                  rng.range(-90.0f, 0.0f)};
+            glm::mat4 map = glm::translate(glm::mat4{1.0f}, place);
+            map = glm::rotate(map, rng.range(0.0f, 6.0f), glm::normalize(vector(0.1f, 1.0f)));
+            map = glm::scale(map, vector(0.3f, 3.0f) * (i % 2 == 0 ? 1.0f : -1.0f) / size);
+            map[0][1] += 0.2f / size; // sheared
+            const glm::vec3 low = size * vector(-8.0f, 2.0f);
+            const Aabb box{low, low + size * vector(0.0f, 6.0f)};
+            const Inflation inflation = view.inflation().in(map, inverse_stretch(map));
+            EXPECT_GT(inflation.margin(box), 0.0f);
+            ScreenBounds bounds;
+            project_boxes(view, map, inflation, {&box, 1}, {&bounds, 1});
+            if (!bounds.valid || bounds.rect.width == 0) {
+                continue;
+            }
+            const ScreenBounds around = project(view, transformed(map, box));
+            const ScreenBox screen_box{screen.in(map, inflation), box};
+            for (int k = 0; k < 16; ++k) {
+                const glm::dvec3 inside{rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f),
+                                        rng.range(0.0f, 1.0f)};
+                const glm::dvec3 own = glm::dvec3{box.min} + inside * glm::dvec3{box.extent()};
+                const glm::dvec3 p =
+                    on_screen(view, glm::dvec3{glm::dmat4{map} * glm::dvec4{own, 1.0}});
+                const glm::ivec2 pixel{std::floor(p.x), std::floor(p.y)};
+                if (pixel.x < 0 || pixel.y < 0 || pixel.x >= kSize.x || pixel.y >= kSize.y) {
+                    continue;
+                }
+                ++tested;
+                EXPECT_GE(pixel.x, bounds.rect.x);
+                EXPECT_GE(pixel.y, bounds.rect.y);
+                EXPECT_LT(pixel.x, bounds.rect.x + bounds.rect.width);
+                EXPECT_LT(pixel.y, bounds.rect.y + bounds.rect.height);
+                EXPECT_LE(double{bounds.near_depth}, p.z) << projection.name;
+                const double at_pixel = screen_box.nearest_over(pixel, pixel);
+                EXPECT_LE(at_pixel, p.z) << projection.name;
+                const glm::ivec2 more{rng.below(9), rng.below(9)};
+                EXPECT_LE(screen_box.nearest_over(pixel - more, pixel + more), at_pixel);
+                tighter += !around.valid || at_pixel > double{around.near_depth} + 1e-6 ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GT(tested, 2000u);
+    EXPECT_GT(tighter, tested / 2) << "no better than rectangles";
+}
+
+// As much as the box around it would grow in the world, seen from there: a box of half the size under
+// a map that doubles it has the same margin in the world.
+TEST(ScreenBox, ABoxOfAnObjectGrowsByNoLessThanItWouldInTheWorld)
+{
+    const View view = down_z();
+    const Aabb box{{5.0f, -5.0f, -20.0f}, {10.0f, 5.0f, -10.0f}};
+    const float in_world = view.inflation().margin(box);
+    for (const float scale : {0.01f, 0.5f, 1.0f, 100.0f}) {
+        const glm::mat4 map = glm::scale(glm::mat4{1.0f}, glm::vec3{scale});
+        const Aabb own{box.min / scale, box.max / scale};
+        const float margin = scale * view.inflation().in(map, inverse_stretch(map)).margin(own);
+        EXPECT_GE(margin, in_world);
+        EXPECT_LE(margin, 8.0f * in_world);
+    }
+    EXPECT_EQ(inverse_stretch(glm::mat4{0.0f}), 0.0f);
+}
+
 TEST(ScreenBox, OfWhatReachesTheEyeNothingIsKnown)
 {
     const ScreenBox around{ScreenSpace{down_z()}, {glm::vec3{-5.0f}, glm::vec3{5.0f}}};

@@ -4,6 +4,7 @@
 
 #include <occlude/cull/registry.h>
 #include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/scene/scene.h>
 
 #include <gtest/gtest.h>
 
@@ -173,6 +174,63 @@ TEST(Memory, AnObjectTakesAtMost96BytesByDefault)
 TEST(Memory, AnObjectWithALeafOfItsOwnTakesTwice)
 {
     EXPECT_LE(bytes_per_object({.max_leaf_items = 1}, "chc_plus_plus"), 192u);
+}
+
+// The same with a shape for every item, each of which moves in every frame.
+TEST(Shapes, AllocateNothingInAFrameAfterTheFirstRounds)
+{
+    const std::vector<ItemBounds> boxes = test::random_boxes(1000, 21);
+    const auto halves = std::make_shared<const Shape>(
+        Shape{{glm::vec3{-1.0f}, {1.0f, 1.0f, 0.0f}}, {{-1.0f, -1.0f, 0.0f}, glm::vec3{1.0f}}});
+    Scene scene;
+    std::vector<ObjectId> objects;
+    for (const ItemBounds& box : boxes) {
+        const ItemDesc item{{glm::vec3{-1.0f}, glm::vec3{1.0f}}, 3000, ItemFlags::none, halves};
+        objects.push_back(scene.add(glm::translate(glm::mat4{1.0f}, box.box.min), {&item, 1}));
+    }
+    Hierarchy tree = build_bvh(scene.item_bounds(), {.leaf_triangles = 300});
+    tree.set_shapes(&scene.shapes());
+    for (const char* name : {"two_phase", "adaptive"}) {
+        auto culler = make_culler(name, tree);
+        QuietDevice device(tree);
+        size_t before = 0;
+        for (uint64_t frame = 0; frame < 8 * kRound; ++frame) {
+            before = frame == 6 * kRound ? size_t{allocations} : before;
+            const float up = frame % 2 == 0 ? 0.1f : 0.0f;
+            for (size_t i = 0; i < objects.size(); ++i) {
+                scene.move(
+                    objects[i],
+                    glm::translate(glm::mat4{1.0f}, boxes[i].box.min + glm::vec3{0.0f, up, 0.0f}));
+            }
+            tree.refit(scene.item_bounds());
+            (*culler)->cull(test::rough_walk(frame % kRound), device);
+        }
+        EXPECT_EQ(allocations - before, 0u) << name;
+    }
+}
+
+// Objects without shapes pay nothing for those that have one, and many objects share one.
+TEST(Memory, AShapeIsSharedAndCostsItsPlace)
+{
+    constexpr uint32_t kObjects = 20000;
+    const auto bytes_of_scene = [](const std::shared_ptr<const Shape>& shape) {
+        const size_t before = live_bytes;
+        Scene scene;
+        for (uint32_t i = 0; i < kObjects; ++i) {
+            const ItemDesc item{{glm::vec3{-1.0f}, glm::vec3{1.0f}}, 3000, ItemFlags::none, shape};
+            scene.add(glm::mat4{1.0f}, {&item, 1});
+        }
+        EXPECT_EQ(scene.shapes().empty(), shape == nullptr);
+        return live_bytes - before;
+    };
+    const size_t plain = bytes_of_scene(nullptr);
+    const auto shape =
+        std::make_shared<const Shape>(Shape(16, Aabb{glm::vec3{0.0f}, glm::vec3{1.0f}}));
+    const size_t shaped = bytes_of_scene(shape);
+    // 4 of the index and 80 of the place, and what growing vectors hold in reserve.
+    EXPECT_LT((shaped - plain) / kObjects, 2u * 128u);
+    EXPECT_EQ(shape.use_count(), 1);
+    EXPECT_EQ(ItemShapes{}.find(ItemId{0u}), nullptr);
 }
 
 std::vector<std::string> names()

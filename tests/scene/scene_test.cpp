@@ -75,6 +75,37 @@ TEST(Scene, ARemovedObjectLeavesEmptySlotsAndAStaleId)
     EXPECT_NE(scene.content_version(), content);
 }
 
+TEST(Scene, ShapesFollowTheirObjectsAndLeaveNothingBehind)
+{
+    Scene scene;
+    const auto shape = std::make_shared<const Shape>(Shape{kUnitBox, kUnitBox});
+    std::array items{item(7), item(8)};
+    items[1].shape = shape;
+    const ObjectId a = scene.add(moved_by(1.0f), items);
+    const ObjectId b = scene.add(moved_by(2.0f), items);
+    const ItemId of_a{scene.first_item(a).value + 1};
+    const ItemId of_b{scene.first_item(b).value + 1};
+    EXPECT_EQ(scene.shapes().find(scene.first_item(a)), nullptr);
+    ASSERT_NE(scene.shapes().find(of_a), nullptr);
+    EXPECT_EQ(scene.shapes().find(of_a)->shape, shape);
+    EXPECT_EQ(scene.shapes().find(of_a)->world_from_shape, moved_by(1.0f));
+    scene.move(a, moved_by(9.0f));
+    EXPECT_EQ(scene.shapes().find(of_a)->world_from_shape, moved_by(9.0f));
+    EXPECT_EQ(scene.shapes().find(of_b)->world_from_shape, moved_by(2.0f));
+
+    // Another object in the same slots: without a shape where there was one.
+    scene.remove(a);
+    EXPECT_EQ(scene.shapes().find(of_a), nullptr);
+    const std::array plain{item(7), item(8)};
+    const ObjectId c = scene.add(moved_by(3.0f), plain);
+    ASSERT_EQ(scene.first_item(c).value + 1, of_a.value);
+    EXPECT_EQ(scene.shapes().find(of_a), nullptr);
+    scene.remove(b);
+    EXPECT_TRUE(scene.shapes().empty());
+    const Scene copy = scene;
+    EXPECT_TRUE(copy.shapes().empty());
+}
+
 TEST(Scene, ARecycledSlotNeverAnswersForItsFormerOwner)
 {
     Scene scene;

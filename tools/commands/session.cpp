@@ -163,8 +163,10 @@ std::unique_ptr<MovingTree> Session::make_moving(Tree& tree) const
 
 Hierarchy Session::build(const HierarchyChoice& choice, std::span<const ItemBounds> items) const
 {
-    return *find_hierarchy_kind(choice.kind)
-                ->build_with(items, options_.leaf_triangles, choice.options);
+    Hierarchy hierarchy = *find_hierarchy_kind(choice.kind)
+                               ->build_with(items, options_.leaf_triangles, choice.options);
+    hierarchy.set_shapes(&scene_.scene.shapes());
+    return hierarchy;
 }
 
 Stage Session::stage()

@@ -7,6 +7,7 @@
 #include "scenes/forest_generator.h"
 #include "scenes/hollow_generators.h"
 #include "scenes/library_generator.h"
+#include "scenes/mesh_tools.h"
 #include "scenes/moving_generators.h"
 #include "scenes/parameters.h"
 #include "scenes/plant_generator.h"
@@ -322,6 +323,11 @@ Result<SceneModel> load_scene(const std::string& source, const SceneOptions& opt
     if (model && options.split == SceneOptions::Split::exact) {
         for (Mesh& mesh : model->meshes) {
             split_mesh_exactly(mesh, std::max(options.item_triangles, 1u), options.cache_folder);
+        }
+    }
+    if (model) {
+        for (Mesh& mesh : model->meshes) {
+            make_shapes(mesh);
         }
     }
     return model;

@@ -2,6 +2,7 @@
 
 #include <occlude/core/rng.h>
 #include <occlude/scene/partition.h>
+#include <occlude/scene/tight_boxes.h>
 
 #include <glm/geometric.hpp>
 
@@ -135,6 +136,24 @@ void partition_mesh(Mesh& mesh, uint32_t item_triangles)
     mesh.parts.clear();
     for (const PartitionPart& part : partition.parts) {
         mesh.parts.push_back({part.first_index, part.index_count, part.box});
+    }
+}
+
+void make_shapes(Mesh& mesh)
+{
+    static const uint32_t kMostBoxes = getenv("OB") ? atoi(getenv("OB")) : 16;
+    static const uint32_t kTrianglesPerBox = getenv("OT") ? atoi(getenv("OT")) : 16;
+    for (MeshPart& part : mesh.parts) {
+        const uint32_t most = std::min(part.index_count / 3 / kTrianglesPerBox, kMostBoxes);
+        if (most < 2) {
+            continue;
+        }
+        Shape boxes =
+            tight_boxes(mesh.positions,
+                        std::span{mesh.indices}.subspan(part.first_index, part.index_count), most);
+        if (boxes.size() > 1) {
+            part.shape = std::make_shared<const Shape>(std::move(boxes));
+        }
     }
 }
 

@@ -15,6 +15,11 @@ namespace occlude::tools {
 /// reordered. Precondition: the mesh has triangles.
 void partition_mesh(Mesh& mesh, uint32_t item_triangles);
 
+/// Gives the parts of a mesh that are worth it their shapes (scene/tight_boxes.h): those of many
+/// triangles, so that a test of all boxes costs a small part of drawing them. The parts must be
+/// final. O(triangles).
+void make_shapes(Mesh& mesh);
+
 /// Gives a mesh normals from its triangles, and joins its equal vertices. Corners at one position
 /// share a normal where their triangles meet at less than 40 degrees; sharper edges stay sharp.
 /// O(triangles * triangles per position).

@@ -54,7 +54,10 @@ std::vector<ItemDesc> item_descriptions(const SceneModel& model, uint32_t instan
         model.instances[instance].opacity < 1.0f ? ItemFlags::translucent : ItemFlags::none;
     std::vector<ItemDesc> items;
     for (const MeshPart& part : model.meshes[model.instances[instance].mesh].parts) {
-        items.push_back({.local_box = part.box, .triangles = part.index_count / 3, .flags = flags});
+        items.push_back({.local_box = part.box,
+                         .triangles = part.index_count / 3,
+                         .flags = flags,
+                         .shape = part.shape});
     }
     return items;
 }

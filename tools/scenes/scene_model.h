@@ -12,6 +12,7 @@
 #include <glm/vec3.hpp>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,8 +22,9 @@ namespace occlude::tools {
 /// A run of a mesh's index buffer: what one item draws.
 struct MeshPart {
     uint32_t first_index = 0;
-    uint32_t index_count = 0; ///< three per triangle
-    Aabb box;                 ///< in the space of the mesh
+    uint32_t index_count = 0;                ///< three per triangle
+    Aabb box;                                ///< in the space of the mesh
+    std::shared_ptr<const Shape> shape = {}; ///< in the same space; null: none
 };
 
 /// An indexed triangle mesh. Counter-clockwise triangles face outward, but nothing relies on it:

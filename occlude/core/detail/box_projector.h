@@ -19,7 +19,12 @@ struct BoxProjector {
     /// For boxes in the world that are to be inflated here.
     explicit BoxProjector(const View& view);
     /// For boxes of tests: in the space of `world_from_box`, inflated already.
-    BoxProjector(const View& view, const glm::mat4& world_from_box);
+    BoxProjector(const View& view, const glm::mat4& world_from_box)
+        : BoxProjector(view, world_from_box, {.per_diagonal = 0.0f, .per_coordinate = 0.0f})
+    {
+    }
+    /// For boxes in the space of `world_from_box` that are to be inflated here, in that space.
+    BoxProjector(const View& view, const glm::mat4& world_from_box, const Inflation& inflation);
 
     /// The specification of project() and project_boxes().
     void project(const Aabb& box, ScreenBounds& bounds) const;
