@@ -291,12 +291,12 @@ private:
     std::vector<std::vector<glm::vec3>> positions_;
 };
 
-struct Run {
+struct Total {
     uint64_t drawn = 0;
     uint64_t in_frustum = 0;
 };
 
-Run expect_exact(const std::string& algorithm, const std::vector<OptionValue>& options)
+Total expect_exact(const std::string& algorithm, const std::vector<OptionValue>& options)
 {
     Frames frames{400};
     Hierarchy tree = build_bvh(frames.scene.item_bounds(), {.leaf_triangles = 20000});
@@ -305,7 +305,7 @@ Run expect_exact(const std::string& algorithm, const std::vector<OptionValue>& o
     CpuDevice reference_device(frames);
     FrustumCuller reference{tree};
     auto culler = std::move(make_culler(algorithm, tree, options).value());
-    Run run;
+    Total run;
     for (uint64_t frame = 0; frame < 24; ++frame) {
         const float t = static_cast<float>(frame);
         const View view =
@@ -332,8 +332,8 @@ Run expect_exact(const std::string& algorithm, const std::vector<OptionValue>& o
 TEST(ShapesOnTheCpuDevice, HideMoreThanBoxesDoAndTheImageIsTheSame)
 {
     using Options = std::vector<OptionValue>;
-    const Run boxes = expect_exact("two_phase", {{"shapes", "false"}});
-    const Run shapes = expect_exact("two_phase", {});
+    const Total boxes = expect_exact("two_phase", {{"shapes", "false"}});
+    const Total shapes = expect_exact("two_phase", {});
     EXPECT_LT(shapes.drawn * 10, boxes.drawn * 9);
     EXPECT_GT(shapes.drawn, shapes.in_frustum / 20);
     for (const Options& options :
@@ -341,9 +341,9 @@ TEST(ShapesOnTheCpuDevice, HideMoreThanBoxesDoAndTheImageIsTheSame)
           Options{{"reread_triangles", "20000"}}, Options{{"virtual_leaves", "true"}}}) {
         expect_exact("two_phase", options);
     }
-    const Run adaptive_boxes =
+    const Total adaptive_boxes =
         expect_exact("adaptive", {{"method", "pyramid"}, {"shapes", "false"}});
-    const Run adaptive = expect_exact("adaptive", {{"method", "pyramid"}});
+    const Total adaptive = expect_exact("adaptive", {{"method", "pyramid"}});
     EXPECT_LT(adaptive.drawn * 10, adaptive_boxes.drawn * 9);
     expect_exact("adaptive", {});
 }

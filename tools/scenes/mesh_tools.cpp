@@ -15,6 +15,9 @@ namespace occlude::tools {
 namespace {
 
 constexpr float kSmoothCosine = 0.766f; // 40 degrees
+/// Boxes of a shape: at most so many, and one for so many triangles of the part.
+constexpr uint32_t kMostBoxes = 16;
+constexpr uint32_t kTrianglesPerBox = 16;
 /// Beyond this many triangles around a position it is smoothed as a whole, to bound the cost.
 constexpr size_t kFanLimit = 64;
 
@@ -141,8 +144,6 @@ void partition_mesh(Mesh& mesh, uint32_t item_triangles)
 
 void make_shapes(Mesh& mesh)
 {
-    static const uint32_t kMostBoxes = getenv("OB") ? atoi(getenv("OB")) : 16;
-    static const uint32_t kTrianglesPerBox = getenv("OT") ? atoi(getenv("OT")) : 16;
     for (MeshPart& part : mesh.parts) {
         const uint32_t most = std::min(part.index_count / 3 / kTrianglesPerBox, kMostBoxes);
         if (most < 2) {
