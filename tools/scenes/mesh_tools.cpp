@@ -17,7 +17,7 @@ namespace {
 constexpr float kSmoothCosine = 0.766f; // 40 degrees
 /// Boxes of a shape: at most so many, and one for so many triangles of the part.
 constexpr uint32_t kMostBoxes = 16;
-constexpr uint32_t kTrianglesPerBox = 16;
+constexpr uint32_t kTrianglesPerBox = 32;
 /// Beyond this many triangles around a position it is smoothed as a whole, to bound the cost.
 constexpr size_t kFanLimit = 64;
 
