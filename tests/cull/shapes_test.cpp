@@ -27,7 +27,7 @@ using test::look_ahead;
 
 constexpr float kFree = 1.0f;
 
-// One item, and a depth that is near to the left of a pixel column and free from there on. The
+// An item, another before it that is always seen, and a depth that is near to the left of a pixel column and free from there on. The
 // picture is 64 pixels wide and looks ahead: at distance 10, column 32 + 3.2 x is at x.
 class Shapes : public ::testing::TestWithParam<const char*> {
 protected:
@@ -35,6 +35,7 @@ protected:
     {
         DeviceScript script;
         script.caps.read_depth = true;
+        script.caps.us_per_triangle = 0.1f;
         script.depth = [this](const PixelRect& rect, std::span<float> out) {
             for (size_t i = 0; i < out.size(); ++i) {
                 const auto width = static_cast<size_t>(rect.width);
@@ -55,9 +56,9 @@ protected:
             world = merge(world, transformed(world_from_shape, box));
         }
         std::vector<Node> nodes(1);
-        nodes[0].own_items = 1;
-        tree_ = Hierarchy::from_arrays(std::move(nodes), {ItemId{0u}},
-                                       {{shape.empty() ? kBox : world, 100000}});
+        nodes[0].own_items = 2;
+        tree_ = Hierarchy::from_arrays(std::move(nodes), {ItemId{0u}, ItemId{1u}},
+                                       {{shape.empty() ? kBox : world, 100000}, {kNearby, 100000}});
         shapes_.place(ItemId{0u}, std::make_shared<const Shape>(shape), world_from_shape);
         tree_.set_shapes(&shapes_);
     }
@@ -72,10 +73,14 @@ protected:
         for (int frame = 0; frame < 3; ++frame) {
             culler->cull(view, *device_);
         }
-        return !culler->drawn_items().empty();
+        EXPECT_EQ(std::ranges::count(culler->drawn_items(), ItemId{1u}), 1);
+        return std::ranges::count(culler->drawn_items(), ItemId{0u}) > 0;
     }
 
     static constexpr Aabb kBox{glm::vec3{-1.0f, -1.0f, -11.0f}, glm::vec3{1.0f, 1.0f, -9.0f}};
+    // Before everything, so that there is depth to read in every frame.
+    static constexpr Aabb kNearby{glm::vec3{-0.01f, -0.01f, -0.16f},
+                                  glm::vec3{0.01f, 0.01f, -0.15f}};
     int wall_to_ = 0;    ///< columns below this are covered ...
     int wall_up_to_ = 0; ///< ... and rows below this
     ItemShapes shapes_;
