@@ -9,12 +9,12 @@ namespace {
 
 // While a frame reveals things, it reads depth again after drawing for so many read-backs, and after so
 // many times more where that found little hidden.
-constexpr double kFirstReadAfter = 8.0;
-constexpr double kNextReadAfter = 4.0;
+constexpr double kFirstReadAfter = 2.0;
+constexpr double kNextReadAfter = 2.0;
 
 // In the middle of a frame a read-back costs more than it does at rest: the device stands still
 // meanwhile. It should hide so many times its cost.
-constexpr double kWellWorth = 8.0;
+constexpr double kWellWorth = 4.0;
 
 // Frames in which depth is read once more, from a device at rest, to learn what that costs: only one
 // if it costs so many times what was thought.
