@@ -36,10 +36,11 @@ void RecentMedian::add(double sample)
 
 double RecentMedian::value() const
 {
-    std::array<double, kSamples> sorted = samples_;
-    const size_t count = std::min(count_, kSamples);
-    std::sort(sorted.begin(), sorted.begin() + static_cast<ptrdiff_t>(count));
-    return sorted[count / 2];
+    std::array<double, kSamples> samples = samples_;
+    const auto count = static_cast<ptrdiff_t>(std::min(count_, kSamples));
+    const auto median = samples.begin() + count / 2;
+    std::nth_element(samples.begin(), median, samples.begin() + count);
+    return *median;
 }
 
 void CostModel::take_hints(const DeviceCaps& caps)
