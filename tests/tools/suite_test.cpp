@@ -255,6 +255,25 @@ TEST(SuiteResults, PiecesAreAddedInTheOrderOfTheSuite)
     EXPECT_FALSE(parse_suite_results("x", "[]"));
 }
 
+TEST(SuiteResults, WhatNestsTooDeeplyIsRefused)
+{
+    std::string text = suite_report("papers", "small", std::vector{entry_of("a", {})});
+    ASSERT_TRUE(parse_suite_results("x.json", text));
+    std::string opened;
+    constexpr size_t kDepth = 300000; // a stack frame each would be more than there is
+    for (size_t i = 0; i < kDepth; ++i) {
+        opened += "{\"a\":";
+    }
+    text.insert(text.find("\"entry\""),
+                "\"deep\":" + opened + '1' + std::string(kDepth, '}') + ',');
+    const auto results = parse_suite_results("x.json", text);
+    ASSERT_FALSE(results);
+    EXPECT_NE(results.error().message.find("x.json: these are no results of a suite (nested more"),
+              std::string::npos)
+        << results.error().message;
+    EXPECT_FALSE(add_to_results("x.json", text, text, {}));
+}
+
 TEST(SuiteCommand, MistakesAreNamedWithWhatWouldWork)
 {
     const auto refused = [](std::vector<std::string> arguments, const std::string& words) {

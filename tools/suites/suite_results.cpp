@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <limits>
+#include <stdexcept>
 
 namespace occlude::tools {
 
@@ -16,6 +17,19 @@ double figure_of(const Map& figures, std::string_view name)
 {
     const auto found = figures.find(name);
     return found != figures.end() ? found->second : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Results are walked by recursion, and nest a few levels deep: a file that nests deeper than this is
+// none. Throws what says why, like Json::parse.
+Json parse_results(std::string_view text)
+{
+    static constexpr int kDeepest = 64;
+    return Json::parse(text, [](int depth, Json::parse_event_t, const Json&) {
+        if (depth > kDeepest) {
+            throw std::length_error{fmt::format("nested more than {} deep", kDeepest)};
+        }
+        return true;
+    });
 }
 
 // Numbers below `json` by the way to them, with dots between the keys. Lists are left out.
@@ -119,7 +133,7 @@ const EntryResult* SuiteResults::entry(std::string_view name) const
 Result<SuiteResults> parse_suite_results(const std::string& file, std::string_view text)
 {
     try {
-        const Json json = Json::parse(text);
+        const Json json = parse_results(text);
         SuiteResults results;
         results.suite = json.at("suite").get<std::string>();
         results.scale = json.at("scale").get<std::string>();
@@ -127,7 +141,7 @@ Result<SuiteResults> parse_suite_results(const std::string& file, std::string_vi
             results.entries.push_back(read_entry(document));
         }
         return results;
-    } catch (const Json::exception& error) {
+    } catch (const std::exception& error) {
         return not_results(file, error.what());
     }
 }
@@ -136,8 +150,8 @@ Result<std::string> add_to_results(const std::string& file, std::string_view kep
                                    std::string_view measured, const std::vector<std::string>& names)
 {
     try {
-        const Json old = Json::parse(kept);
-        Json results = Json::parse(measured);
+        const Json old = parse_results(kept);
+        Json results = parse_results(measured);
         for (const char* key : {"suite", "scale"}) {
             if (old.at(key) != results.at(key)) {
                 return Error{ErrorCode::invalid_argument,
@@ -157,7 +171,7 @@ Result<std::string> add_to_results(const std::string& file, std::string_view kep
         results["documents"] = std::move(documents);
         constexpr int kIndent = 1;
         return results.dump(kIndent) + "\n";
-    } catch (const Json::exception& error) {
+    } catch (const std::exception& error) {
         return not_results(file, error.what());
     }
 }
