@@ -74,6 +74,12 @@ double corner_reach(const glm::dmat4& world_from_clip, const glm::dvec3& eye, do
     return reach;
 }
 
+double frobenius_norm(const glm::dmat3& map)
+{
+    return std::sqrt(glm::dot(map[0], map[0]) + glm::dot(map[1], map[1]) +
+                     glm::dot(map[2], map[2]));
+}
+
 } // namespace
 
 float inverse_stretch(const glm::mat4& map)
@@ -84,10 +90,7 @@ float inverse_stretch(const glm::mat4& map)
         return 0.0f;
     }
     const glm::dmat3 inverse = glm::inverse(linear);
-    const auto stretch = static_cast<float>(
-        std::sqrt(glm::dot(inverse[0], inverse[0]) + // Frobenius norm
-                  glm::dot(inverse[1], inverse[1]) + glm::dot(inverse[2], inverse[2])) *
-        (1.0 + 1e-6));
+    const auto stretch = static_cast<float>(frobenius_norm(inverse) * (1.0 + 1e-6));
     return std::isfinite(stretch) ? stretch : 0.0f;
 }
 
@@ -98,10 +101,7 @@ Inflation Inflation::in(const glm::mat4& world_from_object, float inverse_stretc
 {
     constexpr double kRoundedUp = 1.0 + 1e-5;
     const glm::dmat4 map{world_from_object};
-    const glm::dmat3 linear{map};
-    const double stretch =
-        std::sqrt(glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) +
-                  glm::dot(linear[2], linear[2]));
+    const double stretch = frobenius_norm(glm::dmat3{map});
     const glm::dvec3 origin{detail::absolute(glm::dvec3{map[3]})};
     const double farthest = std::max({origin.x, origin.y, origin.z, double{reach}});
     const double rows = 2.0 * stretch; // the sum of a row of three is at most sqrt(3) of the norm

@@ -28,8 +28,8 @@ struct Inflation {
     glm::vec4 row_w{0.0f};           ///< clip w of a point is dot(row_w, (point, 1))
 
     /// The same for boxes in the space of an affine `world_from_object`: their margin() there is at
-    /// least what things in them need in the world, in every direction. `stretch` is the most by
-    /// which the inverse stretches a length.
+    /// least what things in them need in the world, in every direction. The second argument is
+    /// inverse_stretch(world_from_object).
     Inflation in(const glm::mat4& world_from_object, float inverse_stretch) const;
 
     /// In world units, for every direction. Precondition: `box` is bounded.

@@ -54,7 +54,7 @@ void TwoLevelScene::sync(const Scene& scene)
         motion_version_ = scene.motion_version();
     }
     tree_.update(scene.item_bounds());
-    tree_.set_shapes(scene.shapes().empty() ? nullptr : &scene.shapes());
+    tree_.set_shapes(&scene.shapes());
 }
 
 } // namespace occlude

@@ -66,6 +66,17 @@ TEST(ScreenBox, SamplesInTheMiddleOfPixelsMissWhatOnlyGrazesThem)
               kInfinity);
 }
 
+glm::dvec3 random_point(Rng& rng, const Aabb& box)
+{
+    const glm::dvec3 inside{rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f)};
+    return glm::dvec3{box.min} + inside * glm::dvec3{box.extent()};
+}
+
+bool on_target(const glm::ivec2& pixel)
+{
+    return pixel.x >= 0 && pixel.y >= 0 && pixel.x < kSize.x && pixel.y < kSize.y;
+}
+
 // Over random views in every convention and random boxes: no point of a box is nearer than
 // nearest_over says of its pixel, and of any block of pixels around that.
 TEST(ScreenBox, NothingInABoxIsNearerThanItSays)
@@ -87,12 +98,9 @@ TEST(ScreenBox, NothingInABoxIsNearerThanItSays)
             }
             const ScreenBox screen_box{screen, box};
             for (int k = 0; k < 16; ++k) {
-                const glm::dvec3 inside{rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f),
-                                        rng.range(0.0f, 1.0f)};
-                const glm::dvec3 p =
-                    on_screen(view, glm::dvec3{box.min} + inside * glm::dvec3{box.extent()});
+                const glm::dvec3 p = on_screen(view, random_point(rng, box));
                 const glm::ivec2 pixel{std::floor(p.x), std::floor(p.y)};
-                if (pixel.x < 0 || pixel.y < 0 || pixel.x >= kSize.x || pixel.y >= kSize.y) {
+                if (!on_target(pixel)) {
                     continue;
                 }
                 ++tested;
@@ -145,13 +153,11 @@ TEST(ScreenBox, NothingInABoxOfAnObjectIsNearerThanItSays)
             const ScreenBounds around = project(view, transformed(map, box));
             const ScreenBox screen_box{screen.in(map, inflation), box};
             for (int k = 0; k < 16; ++k) {
-                const glm::dvec3 inside{rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f),
-                                        rng.range(0.0f, 1.0f)};
-                const glm::dvec3 own = glm::dvec3{box.min} + inside * glm::dvec3{box.extent()};
+                const glm::dvec3 own = random_point(rng, box);
                 const glm::dvec3 p =
                     on_screen(view, glm::dvec3{glm::dmat4{map} * glm::dvec4{own, 1.0}});
                 const glm::ivec2 pixel{std::floor(p.x), std::floor(p.y)};
-                if (pixel.x < 0 || pixel.y < 0 || pixel.x >= kSize.x || pixel.y >= kSize.y) {
+                if (!on_target(pixel)) {
                     continue;
                 }
                 ++tested;
