@@ -270,6 +270,12 @@ Answer CullFrame::wait(Ticket ticket)
     return counted(device_.wait(ticket));
 }
 
+ScreenSpace CullFrame::screen_space() const
+{
+    return ScreenSpace{view(), caps().samples_at_pixel_centers ? SamplePositions::center
+                                                               : SamplePositions::anywhere};
+}
+
 bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)
 {
     if (!device_.read_depth(rect, out)) {

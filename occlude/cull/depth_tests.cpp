@@ -22,9 +22,7 @@ bool DepthTests::read(CullFrame& frame)
     known_ = frame.read_depth({0, 0, size.x, size.y}, pyramid_.resize(size));
     if (known_) {
         pyramid_.build();
-        screen_ = ScreenSpace{frame.view(), frame.caps().samples_at_pixel_centers
-                                                ? SamplePositions::center
-                                                : SamplePositions::anywhere};
+        screen_ = frame.screen_space();
     }
     return known_;
 }

@@ -11,6 +11,7 @@ using Update = LazyGridOptions::Update;
 using Traversal = LazyGridOptions::Traversal;
 using Source = LazyGridOptions::Source;
 using Join = LazyGridOptions::Join;
+using Bounds = LazyGridOptions::Bounds;
 
 constexpr uint32_t kMaxCellSize = 1 << 15; // pixels
 
@@ -110,8 +111,9 @@ bool LazyGrid::any_pixel_is_as_far(CullFrame& frame, std::span<const AskedCell> 
         }
         pixels += static_cast<size_t>(a.part.y - seen.y) * stride +
                   static_cast<size_t>(a.part.x - seen.x);
-        if (depth <= farthest_depth(pixels, static_cast<size_t>(a.part.width),
-                                    static_cast<size_t>(a.part.height), stride)) {
+        const bool passes = depth <= farthest_depth(pixels, static_cast<size_t>(a.part.width),
+                                                    static_cast<size_t>(a.part.height), stride);
+        if (passes && !(tested_ != nullptr && hides(pixels, stride, a.part, faces()))) {
             return true;
         }
     }
@@ -222,6 +224,24 @@ float LazyGrid::depth_to_beat(const ScreenBounds& bounds) const
     return options_.source == Source::depth ? OcclusionGrid::kFarthest : kAlmostFarthest;
 }
 
+// Of the box that is tested, made when they are first needed.
+const ScreenBox& LazyGrid::faces()
+{
+    if (!faces_) {
+        faces_.emplace(screen_, *tested_);
+    }
+    return *faces_;
+}
+
+// True if nothing of the box in `part` of the cell can be seen, as far as the cell knows: an old zfar
+// is still an upper bound.
+bool LazyGrid::is_behind(const OcclusionGrid::Cell& cell, const PixelRect& part, float depth)
+{
+    return depth > cell.zfar || (tested_ != nullptr && faces().beyond(cell.zfar, {part.x, part.y},
+                                                                      {part.x + part.width - 1,
+                                                                       part.y + part.height - 1}));
+}
+
 // Sec. 6: so little was drawn into the cell that it is not worth asking.
 bool LazyGrid::is_improbable(const OcclusionGrid::Cell& cell) const
 {
@@ -240,16 +260,20 @@ bool LazyGrid::asks_whole_cell(const AskedCell& asked) const
 bool LazyGrid::internal_cell_is_free_without_pixel_query(const CellRange& internal, float depth)
 {
     internal_.clear();
+    // The faces of a box need not be where the pixel is that is known to be free.
+    const bool pixels_tell_more = tested_ != nullptr && options_.source == Source::depth;
     for (int y = internal.begin.y; y < internal.end.y; ++y) {
         for (int x = internal.begin.x; x < internal.end.x; ++x) {
             const OcclusionGrid::Cell& cell = grid_.cell({x, y});
-            if (depth > cell.zfar) {
-                continue; // an old zfar is still an upper bound
+            const PixelRect pixels = grid_.pixels({x, y});
+            if (is_behind(cell, pixels, depth)) {
+                continue;
             }
-            if (depth <= cell.known_free || is_improbable(cell)) {
+            const bool free = depth <= cell.known_free && (cell.untouched || !pixels_tell_more);
+            if (free || is_improbable(cell)) {
                 return true;
             }
-            internal_.push_back({{x, y}, grid_.pixels({x, y})});
+            internal_.push_back({{x, y}, pixels});
         }
     }
     return false;
@@ -263,13 +287,14 @@ bool LazyGrid::border_cell_is_free_without_pixel_query(const CellRange& touched,
     for (int y = touched.begin.y; y < touched.end.y; ++y) {
         for (int x = touched.begin.x; x < touched.end.x; ++x) {
             const OcclusionGrid::Cell& cell = grid_.cell({x, y});
-            if (internal.contains({x, y}) || depth > cell.zfar) {
+            const PixelRect part = intersection(grid_.pixels({x, y}), rect);
+            if (internal.contains({x, y}) || is_behind(cell, part, depth)) {
                 continue;
             }
             if (cell.untouched || is_improbable(cell)) {
                 return true;
             }
-            border_.push_back({{x, y}, intersection(grid_.pixels({x, y}), rect)});
+            border_.push_back({{x, y}, part});
         }
     }
     return false;
@@ -296,6 +321,10 @@ LazyGrid::Verdict LazyGrid::verdict_without_pixels(const Entry& entry)
     if (!entry.bounds.valid) {
         return Verdict::visible;
     }
+    const Node& node = hierarchy().node(entry.node);
+    const bool has_items = hierarchy().is_leaf(entry.node) || node.own_items > 0;
+    tested_ = options_.bounds == Bounds::faces && has_items ? &node.box : nullptr;
+    faces_.reset();
     const float depth = depth_to_beat(entry.bounds);
     const PixelRect& rect = entry.bounds.rect;
     const CellRange touched = grid_.touched(rect);
@@ -387,7 +416,8 @@ void LazyGrid::test(CullFrame& frame, const Entry& entry)
     }
 }
 
-// All of them first, so that nothing is drawn between one look at pixels and the next.
+// All of them first, so that nothing is drawn between one look at pixels and the next. The device can
+// draw what they reveal while the next ones are found.
 void LazyGrid::test_waiting(CullFrame& frame)
 {
     verdicts_.clear();
@@ -398,6 +428,9 @@ void LazyGrid::test_waiting(CullFrame& frame)
         handle(frame, waiting_[i], verdicts_[i]);
     }
     waiting_.clear();
+    if (options_.tests_at_once > 1 && !test_list_.empty()) {
+        frame.start_draws();
+    }
 }
 
 void LazyGrid::handle(CullFrame& frame, const Entry& entry, Verdict verdict)
@@ -434,6 +467,9 @@ bool LazyGrid::draw_comes_before(std::span<const Entry> tests) const
 void LazyGrid::cull_frame(CullFrame& frame)
 {
     grid_.reset(frame.view().size_px(), static_cast<int>(options_.cell_size));
+    if (options_.bounds == Bounds::faces) {
+        screen_ = frame.screen_space();
+    }
     test_list_.clear();
     draw_list_.clear();
     waiting_.clear();

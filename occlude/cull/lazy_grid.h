@@ -22,22 +22,25 @@
 //             znear itself. A cell that a query found free remembers at which depth. Boxes that the
 //             near plane may touch are visible (rule R1). Both traversals test the frustum when a
 //             box enters the list (Fig. 6), not when it leaves it (Fig. 4). Tests that need pixels
-//             are made several at a time (tests_at_once; 1 is the paper). Sec. 6 adds the areas
-//             of primitives up; here the rectangles of drawn boxes.
+//             are made several at a time (tests_at_once; 1 is the paper). With bounds=faces the box
+//             of what would be drawn is compared as what it is, not as its rectangle at its nearest
+//             depth. Sec. 6 adds the areas of primitives up; here the rectangles of drawn boxes.
 // Guarantees  exact, with every option: a box is hidden only if, in this frame, all pixels of its
-//             screen rectangle were seen to be nearer than its nearest depth. Needs no history, so
-//             camera cuts and moving objects cost nothing extra.
+//             screen rectangle were seen to be nearer than its nearest depth, or than the box at
+//             that pixel. Needs no history, so camera cuts and moving objects cost nothing extra.
 // Cost        needs depth in the same frame: each change from drawing to looking waits for the
 //             device to finish. A cell asked costs the reading of at most cell_size^2 pixels.
 #pragma once
 
 #include <occlude/core/projection.h>
+#include <occlude/core/screen_box.h>
 #include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/occlusion_grid.h>
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -66,12 +69,17 @@ struct LazyGridOptions {
         rows,   ///< all cells that a test may ask at once: rows of cells, or one batch of queries
         target, ///< as rows, but a read-back takes the whole target
     };
+    enum class Bounds : uint8_t {
+        rectangle, ///< a box is its rectangle of pixels at its nearest depth, as in the paper
+        faces,     ///< so is that of an inner node; one of items is what is between its faces
+    };
 
     Variant variant = Variant::z_buffer;
     Update update = Update::lazy;
     Traversal traversal = Traversal::one_list;
     Source source = Source::depth;
     Join join = Join::cell;
+    Bounds bounds = Bounds::rectangle;
     /// Side of a cell in pixels; 0 counts as 1.
     uint32_t cell_size = 32;
     /// Tests that need pixels wait until this many do, and are then made against the same depth:
@@ -127,6 +135,9 @@ private:
 
     // --- the occlusion test ---
     float depth_to_beat(const ScreenBounds& bounds) const;
+    bool is_behind(const OcclusionGrid::Cell& cell, const PixelRect& part, float depth);
+    const ScreenBox& faces();
+    bool is_improbable(const OcclusionGrid::Cell& cell) const;
     Verdict verdict_without_pixels(const Entry& entry);
     bool is_occluded(CullFrame& frame, const Entry& entry);
     bool internal_cell_is_free_without_pixel_query(const CellRange& internal, float depth);
@@ -135,7 +146,6 @@ private:
                                                  float depth);
     bool any_cell_is_free_with_pixel_query(CullFrame& frame, NodeId subject,
                                            std::span<const AskedCell> asked, float depth);
-    bool is_improbable(const OcclusionGrid::Cell& cell) const;
     bool asks_whole_cell(const AskedCell& asked) const;
 
     // --- looking at pixels: true if a pixel of any part is at `depth` or farther ---
@@ -152,9 +162,12 @@ private:
 
     LazyGridOptions options_;
     OcclusionGrid grid_;
-    std::vector<Entry> test_list_; ///< a heap by nearest depth
-    std::vector<Entry> draw_list_; ///< a heap by farthest depth
-    std::vector<Entry> waiting_;   ///< tests that need pixels
+    ScreenSpace screen_;             ///< with Bounds::faces
+    const Aabb* tested_ = nullptr;   ///< the same: the box that is tested, ...
+    std::optional<ScreenBox> faces_; ///< ... and its faces, once they were needed
+    std::vector<Entry> test_list_;   ///< a heap by nearest depth
+    std::vector<Entry> draw_list_;   ///< a heap by farthest depth
+    std::vector<Entry> waiting_;     ///< tests that need pixels
     std::vector<Verdict> verdicts_;
     std::vector<AskedCell> internal_; ///< internalPixelqueryList
     std::vector<AskedCell> border_;   ///< borderPixelqueryList
@@ -185,6 +198,10 @@ constexpr std::array<std::string_view, 3> option_names(LazyGridOptions::Join)
 {
     return {"cell", "rows", "target"};
 }
+constexpr std::array<std::string_view, 2> option_names(LazyGridOptions::Bounds)
+{
+    return {"rectangle", "faces"};
+}
 template <class Visit>
 void visit_options(LazyGridOptions& o, Visit&& visit)
 {
@@ -193,6 +210,7 @@ void visit_options(LazyGridOptions& o, Visit&& visit)
     visit("traversal", o.traversal, "one list by nearest depth, or tests and draws apart");
     visit("source", o.source, "how pixels are looked at: read back, or by occlusion queries");
     visit("join", o.join, "what one read-back or query batch takes");
+    visit("bounds", o.bounds, "what is compared with depth: the rectangle of a box, or its faces");
     visit("cell_size", o.cell_size, "side of a cell in pixels");
     visit("tests_at_once", o.tests_at_once,
           "tests that need pixels are made this many at a time; 1: as in the paper");

@@ -2,6 +2,8 @@
 
 #include <occlude/core/assert.h>
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -120,6 +122,35 @@ float farthest_depth(const float* depths, size_t width, size_t height, size_t st
         }
     }
     return *std::max_element(lanes.begin(), lanes.end());
+}
+
+bool hides(const float* depths, size_t stride, const PixelRect& part, const ScreenBox& box)
+{
+    constexpr int kBlock = 8; // pixels; one of them mostly decides for all of its own
+    const auto at = [&](int x, int y) {
+        return depths + static_cast<size_t>(y) * stride + static_cast<size_t>(x);
+    };
+    const glm::ivec2 origin{part.x, part.y};
+    for (int y = 0; y < part.height; y += kBlock) {
+        for (int x = 0; x < part.width; x += kBlock) {
+            const glm::ivec2 low{x, y};
+            const glm::ivec2 end = glm::min(low + kBlock, glm::ivec2{part.width, part.height});
+            const glm::uvec2 size{end - low};
+            if (box.beyond(farthest_depth(at(x, y), size.x, size.y, stride), origin + low,
+                           origin + end - 1)) {
+                continue;
+            }
+            for (int py = y; py < end.y; ++py) {
+                for (int px = x; px < end.x; ++px) {
+                    const glm::ivec2 pixel = origin + glm::ivec2{px, py};
+                    if (!box.beyond(*at(px, py), pixel, pixel)) {
+                        return false;
+                    }
+                }
+            }
+        }
+    }
+    return true;
 }
 
 } // namespace occlude

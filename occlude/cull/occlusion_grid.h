@@ -18,6 +18,7 @@
 #pragma once
 
 #include <occlude/core/query_device.h>
+#include <occlude/core/screen_box.h>
 
 #include <glm/vec2.hpp>
 
@@ -95,5 +96,9 @@ private:
 /// The largest of depths >= 0, or 0 if there are none; `stride` floats lie between rows. Several
 /// times faster than std::max_element.
 float farthest_depth(const float* depths, size_t width, size_t height, size_t stride);
+
+/// True only if every sample of anything in `box` that lies in `part` is farther than its pixel there.
+/// `depths` is that of the first pixel of `part`; `stride` floats lie between rows.
+bool hides(const float* depths, size_t stride, const PixelRect& part, const ScreenBox& box);
 
 } // namespace occlude

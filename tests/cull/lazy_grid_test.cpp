@@ -170,7 +170,8 @@ TEST(LazyGrid, TestsThatWaitForEachOtherSeeTheSameDepth)
     // Nodes 4 and 2 wait and turn out visible; then 5 and 6 wait, with item 1 drawn meanwhile.
     const Outcome together = run({.tests_at_once = 16}, {});
     EXPECT_EQ(together.text, "draw 0\nread_depth 30 30 2x2\nread_depth 30 30 2x2\n"
-                             "draw 1\nread_depth 30 30 2x2\nread_depth 31 31 1x1\ndraw 2 3\n");
+                             "draw 1\nflush\nread_depth 30 30 2x2\nread_depth 31 31 1x1\n"
+                             "draw 2 3\n");
 }
 
 TEST(LazyGrid, QueriesTestRectanglesCellByCell)
@@ -297,6 +298,43 @@ TEST(LazyGrid, AWholeBorderCellIsAskedOnceAndRemembered)
     // The part still counts where the whole is not hidden: the horizon.
     const Outcome horizon = run({.tests_at_once = 1, .whole_cell_share = 0.003}, {0, 0, 64, 40});
     EXPECT_EQ(horizon.counters.items_drawn, 1u);
+}
+
+// A box to the right of the eye and above it. Of its rectangle, the corner at the upper left and that
+// at the lower right show what is beside it: there, pixels are free after item 0 was drawn.
+TEST(LazyGrid, WhereABoxIsNotInItsRectangleFreePixelsDoNotMakeItVisible)
+{
+    const std::vector<ItemBounds> items{{{{-2, -2, -6}, {6, 4, -5}}, 100},
+                                        {{{5, 2, -20}, {10, 5, -10}}, 100}};
+    const Hierarchy tree = build_bvh(items, {.leaf_triangles = 1});
+    const PixelRect rect = project(look_ahead(), items[1].box).rect;
+    const PixelRect corner{rect.x, rect.y + rect.height - 3, 3, 3};
+    const auto drawn = [&](LazyGridOptions options, PixelRect free) {
+        ScriptedDevice device;
+        device.script().caps.read_depth = true;
+        device.script().depth = [&](const PixelRect& asked, std::span<float> out) {
+            for (int y = 0; y < asked.height; ++y) {
+                for (int x = 0; x < asked.width; ++x) {
+                    const PixelRect pixel{asked.x + x, asked.y + y, 1, 1};
+                    out[static_cast<size_t>(y * asked.width + x)] =
+                        intersection(pixel, free).width > 0 ? 1.0f : 0.5f;
+                }
+            }
+            return true;
+        };
+        LazyGrid culler{tree, options};
+        return culler.cull(look_ahead(), device).counters.items_drawn;
+    };
+    for (const Join join : {Join::cell, Join::rows}) {
+        for (const uint32_t cell_size : {4u, 32u}) {
+            EXPECT_EQ(drawn({.join = join, .cell_size = cell_size}, corner), 2u);
+            const LazyGridOptions faces{
+                .join = join, .bounds = LazyGridOptions::Bounds::faces, .cell_size = cell_size};
+            EXPECT_EQ(drawn(faces, corner), 1u);
+            const PixelRect middle{rect.x + rect.width / 2, rect.y + rect.height / 2, 1, 1};
+            EXPECT_EQ(drawn(faces, middle), 2u);
+        }
+    }
 }
 
 TEST(LazyGrid, LargeBoxesHaveOnlyInternalCells)

@@ -1,5 +1,7 @@
 #include <occlude/cull/occlusion_grid.h>
 
+#include "support/trees.h"
+
 #include <occlude/core/rng.h>
 
 #include <gtest/gtest.h>
@@ -121,6 +123,38 @@ TEST(OcclusionGrid, FarthestDepthIsThatOfThePlainLoop)
             ASSERT_EQ(farthest_depth(depths.data() + 7, width, height, 61), expected);
         }
     }
+}
+
+// Of random boxes against random depth: the same pixel by pixel.
+TEST(OcclusionGrid, ABoxIsHiddenWhereAllOfItsPixelsAreNearer)
+{
+    Rng rng(7);
+    constexpr PixelRect kPart{3, 5, 61, 40};
+    const View view = test::look({0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f});
+    const ScreenSpace screen{view, SamplePositions::center};
+    std::vector<float> depths(kPart.width * kPart.height);
+    int hidden = 0;
+    for (int round = 0; round < 300; ++round) {
+        const glm::vec3 at{rng.range(-8.0f, 8.0f), rng.range(-8.0f, 8.0f),
+                           rng.range(-30.0f, -12.0f)};
+        const ScreenBox box{screen, Aabb{at - rng.range(0.2f, 4.0f), at + rng.range(0.2f, 4.0f)}};
+        const float farthest = rng.range(0.99f, 1.0f);
+        for (float& depth : depths) {
+            depth = rng.range(0.0f, farthest);
+        }
+        bool expected = true;
+        for (int y = 0; y < kPart.height; ++y) {
+            for (int x = 0; x < kPart.width; ++x) {
+                const glm::ivec2 pixel{kPart.x + x, kPart.y + y};
+                expected &=
+                    box.beyond(depths[static_cast<size_t>(y * kPart.width + x)], pixel, pixel);
+            }
+        }
+        ASSERT_EQ(hides(depths.data(), kPart.width, kPart, box), expected);
+        hidden += expected ? 1 : 0;
+    }
+    EXPECT_GT(hidden, 30);
+    EXPECT_LT(hidden, 270);
 }
 
 } // namespace

@@ -116,23 +116,25 @@ SuiteEntry bunnies_in_motion(Scale scale, const Sizes& scene, uint32_t part_tria
 SuiteEntry lazy_grid(Scale scale, std::string name, const Sizes& scene, std::string path,
                      glm::ivec2 size)
 {
-    constexpr uint32_t kLeafTriangles = 128;
     SuiteEntry entry = walk(scale, std::move(name), scene, std::move(path),
                             "frustum,lazy_grid,lazy_grid:update=busy,chc_plus_plus");
     entry.stage.size = size;
-    entry.stage.leaf_triangles = kLeafTriangles;
+    entry.stage.leaf_triangles = 128;
     entry.stage.item_triangles = 512;
     entry.stage.sets = {"lazy_grid.cell_size=32"};
     return entry;
 }
 
-// The city: many boxes wait for pixels at once, and what they need is read in rows of cells. Border
-// cells that a box covers by a quarter are asked as a whole, as section 6 has it.
+// The city: smaller boxes still, tested by their faces. Many wait for pixels at once, and what they
+// need is read in rows of cells. Border cells that a box covers by a quarter are asked as a whole, as
+// section 6 has it.
 SuiteEntry lazy_grid_city(Scale scale, std::string name, const Sizes& scene, glm::ivec2 size)
 {
     SuiteEntry entry = lazy_grid(scale, std::move(name), scene, "street", size);
-    for (const char* set : {"lazy_grid.tests_at_once=256", "lazy_grid.whole_cell_share=0.25",
-                            "lazy_grid.join=rows"}) {
+    entry.stage.leaf_triangles = 64;
+    entry.stage.item_triangles = 128;
+    for (const char* set : {"lazy_grid.bounds=faces", "lazy_grid.tests_at_once=128",
+                            "lazy_grid.whole_cell_share=0.25", "lazy_grid.join=rows"}) {
         entry.stage.sets.emplace_back(set);
     }
     return entry;
