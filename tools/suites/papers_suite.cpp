@@ -87,9 +87,10 @@ SuiteEntry two_level(Scale scale, std::string name, const Sizes& scene, uint32_t
     return entry;
 }
 
+// Of parts of 2048 triangles `frustum` is as fast, and what is seen takes an eighth more.
 SuiteEntry two_level_plant(Scale scale, const Sizes& scene)
 {
-    SuiteEntry entry = two_level(scale, "plant_13m", scene, scale == Scale::full ? 2048 : 512);
+    SuiteEntry entry = two_level(scale, "plant_13m", scene, scale == Scale::full ? 1024 : 512);
     go_through_the_plant(entry);
     return entry;
 }
