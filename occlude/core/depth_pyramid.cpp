@@ -137,8 +137,16 @@ bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refine
     if (refinement == Refinement::none) {
         return false;
     }
-    for (int y = texels.low.y; y <= texels.high.y; ++y) {
-        for (int x = texels.low.x; x <= texels.high.x; ++x) {
+    const detail::TexelRange whole = detail::whole_texels(pixels, level, size_px());
+    return (whole.is_empty() || farthest_of(level, whole) < nearest) &&
+           border_hides(level, pixels, nearest);
+}
+
+// Texel by texel of the coarse level, where those that are whole hide.
+bool DepthPyramid::border_hides(int level, const detail::TexelRange& pixels, float nearest) const
+{
+    for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
+        for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
             if (!texel_hides(level, {x, y}, pixels, nearest)) {
                 return false;
             }
@@ -203,22 +211,23 @@ void DepthPyramid::hides(std::span<const ScreenBounds> bounds, Refinement refine
                          std::span<uint8_t> hidden, Kernel kernel) const
 {
     OCCLUDE_ASSERT(bounds.size() == hidden.size(), "DepthPyramid::hides needs one result per box");
-    const auto ask = [&](const ScreenBounds& b, Refinement how) {
-        return static_cast<uint8_t>(b.valid && hides(b.rect, b.near_depth, how));
-    };
     if (kernel == Kernel::scalar) {
         for (size_t i = 0; i < bounds.size(); ++i) {
-            hidden[i] = ask(bounds[i], refinement);
+            const ScreenBounds& b = bounds[i];
+            hidden[i] = b.valid && hides(b.rect, b.near_depth, refinement) ? 1 : 0;
         }
         return;
     }
-    detail::coarse_hides_simd(levels_, texels_.data(), bounds, hidden.data());
+    detail::coarse_hides_simd(levels_, texels_.data(), bounds, refinement, hidden.data());
     if (refinement == Refinement::none) {
         return;
     }
     for (size_t i = 0; i < bounds.size(); ++i) {
-        if (hidden[i] == 0) {
-            hidden[i] = ask(bounds[i], refinement);
+        if (hidden[i] == detail::kUndecided) {
+            detail::TexelRange pixels;
+            detail::clip(bounds[i].rect, size_px(), pixels);
+            hidden[i] =
+                border_hides(detail::coarse_level(pixels), pixels, bounds[i].near_depth) ? 1 : 0;
         }
     }
 }

@@ -92,6 +92,7 @@ private:
                        static_cast<size_t>(x)];
     }
     float farthest_of(int level, const detail::TexelRange& texels) const;
+    bool border_hides(int level, const detail::TexelRange& pixels, float nearest) const;
     bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
                      float nearest) const;
     bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,

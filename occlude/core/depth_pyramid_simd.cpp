@@ -68,20 +68,27 @@ void build_levels(std::span<const detail::PyramidLevel> levels, float* texels)
 }
 
 void coarse_hides(std::span<const detail::PyramidLevel> levels, const float* texels,
-                  std::span<const ScreenBounds> bounds, uint8_t* hidden)
+                  std::span<const ScreenBounds> bounds, DepthPyramid::Refinement refinement,
+                  uint8_t* hidden)
 {
     const glm::ivec2 size = levels.empty() ? glm::ivec2{0} : levels[0].size;
     for (size_t i = 0; i < bounds.size(); ++i) {
         const ScreenBounds& b = bounds[i];
-        detail::TexelRange range;
-        bool hides = b.valid;
-        if (hides && detail::clip(b.rect, size, range)) {
-            const int n = detail::coarse_level(range);
+        detail::TexelRange pixels;
+        hidden[i] = b.valid ? 1 : 0;
+        if (b.valid && detail::clip(b.rect, size, pixels)) {
+            const int n = detail::coarse_level(pixels);
             const detail::PyramidLevel& level = levels[static_cast<size_t>(n)];
-            range = {range.low >> n, range.high >> n};
-            hides = all_below(texels + level.first, level.size.x, range, b.near_depth);
+            const auto hides = [&](const detail::TexelRange& range) HWY_ATTR {
+                return all_below(texels + level.first, level.size.x, range, b.near_depth);
+            };
+            const bool all = hides({pixels.low >> n, pixels.high >> n});
+            hidden[i] = all ? 1 : 0;
+            if (!all && refinement == DepthPyramid::Refinement::pixels) {
+                const detail::TexelRange whole = detail::whole_texels(pixels, n, size);
+                hidden[i] = whole.is_empty() || hides(whole) ? detail::kUndecided : 0;
+            }
         }
-        hidden[i] = hides ? 1 : 0;
     }
 }
 
@@ -99,9 +106,10 @@ void detail::build_levels_simd(std::span<const PyramidLevel> levels, float* texe
 }
 
 void detail::coarse_hides_simd(std::span<const PyramidLevel> levels, const float* texels,
-                               std::span<const ScreenBounds> bounds, uint8_t* hidden)
+                               std::span<const ScreenBounds> bounds,
+                               DepthPyramid::Refinement refinement, uint8_t* hidden)
 {
-    HWY_DYNAMIC_DISPATCH(coarse_hides)(levels, texels, bounds, hidden);
+    HWY_DYNAMIC_DISPATCH(coarse_hides)(levels, texels, bounds, refinement, hidden);
 }
 
 } // namespace occlude

@@ -19,6 +19,8 @@ inline constexpr int kSpan = 4;
 struct TexelRange {
     glm::ivec2 low{0};
     glm::ivec2 high{-1};
+
+    bool is_empty() const { return low.x > high.x || low.y > high.y; }
 };
 
 /// The pixels of `rect` in a target of this size; false if there are none.
@@ -30,7 +32,7 @@ inline bool clip(const PixelRect& rect, glm::ivec2 size_px, TexelRange& pixels)
     const int64_t top = int64_t{rect.y} + rect.height - 1;
     pixels.high = {static_cast<int>(std::clamp<int64_t>(right, -1, size_px.x - 1)),
                    static_cast<int>(std::clamp<int64_t>(top, -1, size_px.y - 1))};
-    return pixels.low.x <= pixels.high.x && pixels.low.y <= pixels.high.y;
+    return !pixels.is_empty();
 }
 
 /// The finest level where the pixels lie in at most kSpan x kSpan texels.
@@ -45,6 +47,18 @@ inline int coarse_level(const TexelRange& pixels)
     return fits ? n : n + 1;
 }
 
+/// The texels of a level that lie in the pixels as a whole, as far as the target reaches: if one of
+/// them does not hide, its farthest pixel is seen. There may be none.
+inline TexelRange whole_texels(const TexelRange& pixels, int level, glm::ivec2 size_px)
+{
+    const auto first = [&](int low) { return (low + (1 << level) - 1) >> level; };
+    const auto last = [&](int high, int size) {
+        return high == size - 1 ? high >> level : ((high + 1) >> level) - 1;
+    };
+    return {{first(pixels.low.x), first(pixels.low.y)},
+            {last(pixels.high.x, size_px.x), last(pixels.high.y, size_px.y)}};
+}
+
 /// Two rows of `width` texels (or one row twice) into one of half the width, rounded up.
 using ReduceRows = void (*)(const float* a, const float* b, int width, float* out);
 void reduce_rows(const float* a, const float* b, int width, float* out);
@@ -53,9 +67,14 @@ void reduce_rows(const float* a, const float* b, int width, float* out);
 void build_levels(std::span<const PyramidLevel> levels, float* texels, ReduceRows reduce);
 void build_levels_simd(std::span<const PyramidLevel> levels, float* texels);
 
-/// DepthPyramid::hides without refinement, for many bounds. Reads up to kSpan - 1 floats beyond the
-/// last texel, and does nothing with them.
+/// What a coarse test leaves to pixels: only the border of the rectangle can decide.
+inline constexpr uint8_t kUndecided = 2;
+
+/// DepthPyramid::hides without refinement, for many bounds; with refinement, where that needs finer
+/// levels, kUndecided. Reads up to kSpan - 1 floats beyond the last texel, and does nothing with
+/// them.
 void coarse_hides_simd(std::span<const PyramidLevel> levels, const float* texels,
-                       std::span<const ScreenBounds> bounds, uint8_t* hidden);
+                       std::span<const ScreenBounds> bounds, DepthPyramid::Refinement refinement,
+                       uint8_t* hidden);
 
 } // namespace occlude::detail
