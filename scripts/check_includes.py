@@ -25,10 +25,10 @@ ALLOWED = {
     "backends/cpu": {"core", "backends/cpu"},
 }
 
-# Third-party includes that the sources and the detail/ headers of a room may use beside GLM.
+# Third-party and system includes that the sources and the detail/ headers of a room may use beside GLM.
 THIRD_PARTY = {
     "core": ("hwy/",),
-    "hierarchy": ("tbb/", "oneapi/tbb/"),
+    "hierarchy": ("tbb/", "oneapi/tbb/", "sys/mman.h"),
     "scene": ("tbb/", "oneapi/tbb/"),
     "backends/gl": ("epoxy/", "EGL/", "KHR/"),
     "backends/cpu": ("tbb/", "oneapi/tbb/", "hwy/"),

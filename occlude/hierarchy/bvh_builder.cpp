@@ -1,6 +1,7 @@
 #include <occlude/hierarchy/bvh_builder.h>
 
 #include <occlude/core/assert.h>
+#include <occlude/hierarchy/detail/huge_pages.h>
 #include <occlude/hierarchy/detail/node_sums.h>
 #include <occlude/hierarchy/detail/sah_split.h>
 
@@ -35,6 +36,7 @@ struct Buffer {
         : data(new Primitive[size])
         , all(data.get(), size)
     {
+        detail::prefer_huge_pages(data.get(), all.size_bytes());
     }
     std::unique_ptr<Primitive[]> data;
     Primitives all;
@@ -124,9 +126,11 @@ public:
         , max_leaf_triangles_(options.max_leaf_triangles)
         , virtual_leaf_triangles_(options.leaf_triangles)
         , bins_(std::clamp(options.bins, 2u, detail::kMaxBins))
-        , order_(items.size())
-        , bounds_(items.size())
     {
+        detail::reserve_huge(order_, items.size());
+        detail::reserve_huge(bounds_, items.size());
+        order_.resize(items.size());
+        bounds_.resize(items.size());
     }
 
     // Builds a subtree over `from`, which begins at `first_item` of the whole; `to` is scratch of
@@ -309,7 +313,7 @@ Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options
     }
 
     std::vector<Node> nodes;
-    nodes.reserve(1 + kinds + (bounded.empty() ? 0 : node_count(tree)));
+    detail::reserve_huge(nodes, 1 + kinds + (bounded.empty() ? 0 : node_count(tree)));
     nodes.resize(kinds > 1 ? 1 + kinds : 1);
     for (size_t i = 1; i < nodes.size(); ++i) {
         nodes[i].parent = NodeId{0u};
