@@ -5,6 +5,11 @@
 // and S the sum of the absolute terms of a coordinate, a device that transforms to world space first
 // is off by up to 8 u S, and the sums here by up to 5 u S; 20 u S are allowed. Since S >= w, what is
 // left pays for the quotient (2 u of it) and for the rounding of the error itself.
+//
+// A pixel's sample is at least `sample_inset_px` from its borders, so that the pixels to look at are
+// those that the box reaches when it is less by that on each side. Adding it rounds once more, by u of
+// the sum: of the 14 u |x| + 7 u half_size that are left above (S of x is at least w times both) it takes
+// less than one in seven.
 #include <occlude/core/detail/box_projector.h>
 
 #include <occlude/core/absolute.h>
@@ -28,16 +33,23 @@ static glm::dmat4 magnitude(const glm::mat4& m)
             detail::absolute(glm::dvec4{m[2]}), detail::absolute(glm::dvec4{m[3]})};
 }
 
-BoxProjector::BoxProjector(const View& view)
+static float inset_px(SamplePositions samples)
+{
+    return samples == SamplePositions::center ? 0.5f : 0.0f;
+}
+
+BoxProjector::BoxProjector(const View& view, SamplePositions samples)
     : inflation(view.inflation())
+    , sample_inset_px(inset_px(samples))
 {
     const glm::mat4& clip = view.clip_from_world();
     set_columns(view, glm::dmat4{clip}, magnitude(clip));
 }
 
 BoxProjector::BoxProjector(const View& view, const glm::mat4& world_from_box,
-                           const Inflation& own_inflation)
+                           const Inflation& own_inflation, SamplePositions samples)
     : inflation(own_inflation)
+    , sample_inset_px(inset_px(samples))
 {
     const glm::mat4& clip = view.clip_from_world();
     // A device goes by way of the world, and so do the terms that it rounds.
@@ -144,7 +156,7 @@ void BoxProjector::project(const Aabb& box, ScreenBounds& bounds) const
     const Float4 error = (s + largest * s[3]) * (1.0f / (c.least[3] - s[3]));
     const Float4 zero = splat(0.0f);
     const Float4 end{size.x, size.y, 1.0f, 1.0f};
-    const Float4 margins{0.0f, 0.0f, ScreenBounds::kDepthMargin, 0.0f};
+    const Float4 margins{-sample_inset_px, -sample_inset_px, ScreenBounds::kDepthMargin, 0.0f};
     const Float4 from = min4(max4(c.nearest - error - margins, zero), end);
     const Float4 to = min4(max4(c.farthest + error + margins, zero), end);
 
@@ -177,10 +189,10 @@ void project_query_boxes(const View& view, std::span<const QueryBox> boxes,
     }
 }
 
-ScreenBounds project(const View& view, const Aabb& box)
+ScreenBounds project(const View& view, const Aabb& box, SamplePositions samples)
 {
     ScreenBounds bounds;
-    detail::BoxProjector{view}.project(box, bounds);
+    detail::BoxProjector{view, samples}.project(box, bounds);
     return bounds;
 }
 
@@ -198,15 +210,17 @@ static void project_by(const detail::BoxProjector& projector, std::span<const Aa
 }
 
 void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<ScreenBounds> bounds,
-                   Kernel kernel)
+                   Kernel kernel, SamplePositions samples)
 {
-    project_by(detail::BoxProjector{view}, boxes, bounds, kernel);
+    project_by(detail::BoxProjector{view, samples}, boxes, bounds, kernel);
 }
 
 void project_boxes(const View& view, const glm::mat4& world_from_object, const Inflation& inflation,
-                   std::span<const Aabb> boxes, std::span<ScreenBounds> bounds, Kernel kernel)
+                   std::span<const Aabb> boxes, std::span<ScreenBounds> bounds, Kernel kernel,
+                   SamplePositions samples)
 {
-    project_by(detail::BoxProjector{view, world_from_object, inflation}, boxes, bounds, kernel);
+    project_by(detail::BoxProjector{view, world_from_object, inflation, samples}, boxes, bounds,
+               kernel);
 }
 
 } // namespace occlude

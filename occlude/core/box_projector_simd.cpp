@@ -197,12 +197,17 @@ HWY_INLINE void write(const detail::BoxProjector& p, const V3& nearest, const V3
     const V one = hn::Set(kF, 1.0f);
     const V width = hn::Set(kF, p.size.x);
     const V height = hn::Set(kF, p.size.y);
-    const auto first_x = hn::ConvertTo(kI, clamp(nearest.x, zero, width));
-    const auto first_y = hn::ConvertTo(kI, clamp(nearest.y, zero, height));
-    const auto size_x =
-        hn::Sub(hn::ConvertTo(kI, hn::Ceil(clamp(farthest.x, zero, width))), first_x);
-    const auto size_y =
-        hn::Sub(hn::ConvertTo(kI, hn::Ceil(clamp(farthest.y, zero, height))), first_y);
+    const V inset = hn::Set(kF, p.sample_inset_px);
+    const auto first = [&](V v, V end) HWY_ATTR {
+        return hn::ConvertTo(kI, clamp(hn::Add(v, inset), zero, end));
+    };
+    const auto past = [&](V v, V end) HWY_ATTR {
+        return hn::ConvertTo(kI, hn::Ceil(clamp(hn::Sub(v, inset), zero, end)));
+    };
+    const auto first_x = first(nearest.x, width);
+    const auto first_y = first(nearest.y, height);
+    const auto size_x = hn::Sub(past(farthest.x, width), first_x);
+    const auto size_y = hn::Sub(past(farthest.y, height), first_y);
     const auto none = hn::Zero(kI);
     const auto touches = hn::And(hn::Gt(size_x, none), hn::Gt(size_y, none));
     const auto known_i = hn::RebindMask(kI, known);

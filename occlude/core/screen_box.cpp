@@ -1,7 +1,6 @@
 #include <occlude/core/screen_box.h>
 
 #include <occlude/core/absolute.h>
-#include <occlude/core/projection.h>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

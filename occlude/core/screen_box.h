@@ -13,6 +13,7 @@
 #pragma once
 
 #include <occlude/core/aabb.h>
+#include <occlude/core/projection.h>
 #include <occlude/core/view.h>
 
 #include <glm/mat4x4.hpp>
@@ -25,12 +26,6 @@
 #include <limits>
 
 namespace occlude {
-
-/// Where the samples of a pixel are.
-enum class SamplePositions : uint8_t {
-    anywhere, ///< in the pixel: multisampled, or not known
-    center,   ///< one, in the middle
-};
 
 /// The screen of one view: pixels and window depth (0 near, 1 far in every convention) against the
 /// world, or the space of an object. Made once for all boxes of that space.

@@ -175,8 +175,8 @@ void CutCuller::prepare(const CullFrame& frame, std::span<const Candidate> candi
         }
     }
     tests.bounds.resize(tests.boxes.size());
-    project_boxes(frame.view(), std::span{tests.boxes}.subspan(known),
-                  std::span{tests.bounds}.subspan(known));
+    depth_.project(frame.view(), std::span{tests.boxes}.subspan(known),
+                   std::span{tests.bounds}.subspan(known));
 }
 
 void CutCuller::test(const CullFrame& frame, std::span<const Candidate> candidates, Tests& tests)

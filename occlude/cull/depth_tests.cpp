@@ -77,7 +77,7 @@ bool DepthTests::hides(const View& view, const ItemShapes::Placed& placed,
         const std::span<const Aabb> some =
             boxes.subspan(first, std::min(block.size(), boxes.size() - first));
         const std::span bounds = std::span{block}.first(some.size());
-        project_boxes(view, map, inflation, some, bounds);
+        project_boxes(view, map, inflation, some, bounds, Kernel::simd, samples_);
         rectangles_hide(bounds, std::span{hidden}.first(some.size()));
         for (size_t i = 0; i < some.size(); ++i) {
             const bool is_hidden =
@@ -97,7 +97,7 @@ bool DepthTests::hides(const View& view, const Aabb& box, uint32_t most_texels) 
     if (!known_) {
         return false;
     }
-    const ScreenBounds bounds = project(view, box);
+    const ScreenBounds bounds = occlude::project(view, box, samples_);
     return (bounds.valid &&
             pyramid_.hides(bounds.rect, bounds.near_depth, DepthPyramid::Refinement::none)) ||
            closer(box, bounds, most_texels);

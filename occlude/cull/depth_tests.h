@@ -30,7 +30,19 @@ public:
     }
 
     /// Nothing is known of the frame that starts.
-    void start_frame() { known_ = false; }
+    void start_frame(const DeviceCaps& caps)
+    {
+        known_ = false;
+        samples_ =
+            caps.samples_at_pixel_centers ? SamplePositions::center : SamplePositions::anywhere;
+    }
+
+    /// Where boxes are on the screen of this device. Precondition: bounds.size() == boxes.size().
+    void project(const View& view, std::span<const Aabb> boxes,
+                 std::span<ScreenBounds> bounds) const
+    {
+        project_boxes(view, boxes, bounds, Kernel::simd, samples_);
+    }
 
     /// Has everything drawn that is queued, and reads its depth back. False, and nothing else is
     /// known than before, if nothing was drawn or the device cannot read.
@@ -55,6 +67,7 @@ private:
     bool refine_;
     DepthPyramid pyramid_;
     ScreenSpace screen_;
+    SamplePositions samples_ = SamplePositions::anywhere;
     bool known_ = false;
 };
 

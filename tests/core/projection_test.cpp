@@ -2,6 +2,7 @@
 
 #include "core/projections.h"
 
+#include <glm/common.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,6 +41,24 @@ TEST(Projection, ThePixelThatABoxOnlyGrazesBelongsToItsRectangle)
     const ScreenBounds b = project(down_z(), {{1.0f, 0.1f, -10.0f}, {1.1f, 0.15f, -10.0f}});
     EXPECT_EQ(b.rect.x, 54);
     EXPECT_EQ(b.rect.x + b.rect.width, 56);
+}
+
+TEST(Projection, WhereSamplesAreInTheMiddleOfPixelsABoxBetweenThemHasNoPixels)
+{
+    const auto centers = [](const Aabb& box) {
+        return project(down_z(), box, SamplePositions::center);
+    };
+    // From 55.1 to 55.4 px along x, beside 1/64; and to 55.49, which that takes over the middle.
+    const ScreenBounds between = centers({{1.02f, 0.0f, -10.0f}, {1.08f, 1.0f, -10.0f}});
+    EXPECT_TRUE(between.valid);
+    EXPECT_EQ(between.rect, (PixelRect{}));
+    EXPECT_EQ(centers({{1.02f, 0.0f, -10.0f}, {1.098f, 1.0f, -10.0f}}).rect,
+              (PixelRect{55, 50, 1, 5}));
+    // The middle of pixel 57 is at 57.5.
+    EXPECT_EQ(centers({{1.02f, 0.02f, -10.0f}, {1.52f, 1.0f, -10.0f}}).rect,
+              (PixelRect{55, 50, 3, 5}));
+    EXPECT_EQ(centers({{-50.0f, -50.0f, -20.0f}, {50.0f, 50.0f, -10.0f}}).rect,
+              (PixelRect{0, 0, 100, 100}));
 }
 
 TEST(Projection, RectanglesEndAtTheTarget)
@@ -112,6 +131,37 @@ struct FloatDevice {
     }
 };
 
+// Every pixel of which some corners are before the middle and others beyond, along both axes, must be
+// in the rectangle of middles.
+void check_middles(const FloatDevice& device, const Aabb& box, const ScreenBounds& middles,
+                   const ScreenBounds& anywhere)
+{
+    glm::vec2 low{1e30f};
+    glm::vec2 high{-1e30f};
+    for (int k = 0; k < 8; ++k) {
+        const glm::vec2 w{device.window(test::corner(box, k))};
+        low = glm::min(low, w);
+        high = glm::max(high, w);
+    }
+    const glm::ivec2 first{glm::max(glm::ceil(glm::dvec2{low} - 0.5), 0.0)};
+    const glm::ivec2 past{glm::min(glm::floor(glm::dvec2{high} - 0.5) + 1.0, glm::dvec2{kSize})};
+    const PixelRect& r = middles.rect;
+    if (first.x < past.x && first.y < past.y) {
+        ASSERT_LE(r.x, first.x);
+        ASSERT_LE(r.y, first.y);
+        ASSERT_GE(r.x + r.width, past.x);
+        ASSERT_GE(r.y + r.height, past.y);
+    }
+    ASSERT_EQ(middles.near_depth, anywhere.near_depth);
+    ASSERT_EQ(middles.far_depth, anywhere.far_depth);
+    if (r.width > 0) {
+        ASSERT_GE(r.x, anywhere.rect.x);
+        ASSERT_GE(r.y, anywhere.rect.y);
+        ASSERT_LE(r.x + r.width, anywhere.rect.x + anywhere.rect.width);
+        ASSERT_LE(r.y + r.height, anywhere.rect.y + anywhere.rect.height);
+    }
+}
+
 void check_points(const Projection& projection, const glm::vec3& origin, float extent,
                   uint64_t seed)
 {
@@ -131,6 +181,10 @@ void check_points(const Projection& projection, const glm::vec3& origin, float e
             continue;
         }
         ++valid;
+        const ScreenBounds middles = project(view, box, SamplePositions::center);
+        ASSERT_TRUE(middles.valid);
+        ASSERT_NO_FATAL_FAILURE(check_middles(device, box, middles, b))
+            << projection.name << ", seed " << seed << ", box " << i;
         tight += b.rect.width < kSize.x / 2 ? 1 : 0;
         for (int k = 0; k < 24; ++k) {
             const glm::vec3 p =

@@ -17,14 +17,16 @@ namespace occlude::detail {
 /// (near) to 1 (far), and how far a device and we ourselves may be off. See projection.cpp.
 struct BoxProjector {
     /// For boxes in the world that are to be inflated here.
-    explicit BoxProjector(const View& view);
+    BoxProjector(const View& view, SamplePositions samples);
     /// For boxes of tests: in the space of `world_from_box`, inflated already.
     BoxProjector(const View& view, const glm::mat4& world_from_box)
-        : BoxProjector(view, world_from_box, {.per_diagonal = 0.0f, .per_coordinate = 0.0f})
+        : BoxProjector(view, world_from_box, {.per_diagonal = 0.0f, .per_coordinate = 0.0f},
+                       SamplePositions::anywhere)
     {
     }
     /// For boxes in the space of `world_from_box` that are to be inflated here, in that space.
-    BoxProjector(const View& view, const glm::mat4& world_from_box, const Inflation& inflation);
+    BoxProjector(const View& view, const glm::mat4& world_from_box, const Inflation& inflation,
+                 SamplePositions samples);
 
     /// The specification of project() and project_boxes().
     void project(const Aabb& box, ScreenBounds& bounds) const;
@@ -40,8 +42,9 @@ struct BoxProjector {
     std::array<glm::vec4, 4> slop{};   ///< the same of the possible error, of coordinates >= 0
     Inflation inflation;
     glm::vec2 size{0.0f};
-    ScreenBounds everywhere; ///< of a box of which nothing is known
-    bool usable = false;     ///< there is a near plane, and something is known of the view
+    float sample_inset_px = 0.0f; ///< no sample is nearer than this to a border of its pixel
+    ScreenBounds everywhere;      ///< of a box of which nothing is known
+    bool usable = false;          ///< there is a near plane, and something is known of the view
 };
 
 /// Does p.project(boxes[i], bounds[i]), several boxes at once.
