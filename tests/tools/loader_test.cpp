@@ -5,9 +5,12 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+
+#include <sys/resource.h>
 
 namespace occlude::tools {
 namespace {
@@ -52,15 +55,47 @@ std::string little_endian(size_t value)
     return bytes;
 }
 
-std::string two_instances_glb()
+std::string glb_of(std::string json, std::string binary)
 {
-    std::string json = two_instances_gltf("");
     json.resize((json.size() + 3) / 4 * 4, ' ');
-    std::string binary = triangle_buffer();
     binary.resize((binary.size() + 3) / 4 * 4, '\0');
     return "glTF" + little_endian(2) + little_endian(28 + json.size() + binary.size()) +
            little_endian(json.size()) + "JSON" + json + little_endian(binary.size()) +
            std::string("BIN\0", 4) + binary;
+}
+
+std::string two_instances_glb()
+{
+    return glb_of(two_instances_gltf(""), triangle_buffer());
+}
+
+std::string repeated(const std::string& text, size_t times)
+{
+    std::string all;
+    for (size_t i = 0; i < times; ++i) {
+        all += text;
+    }
+    return all;
+}
+
+/// The scene of two_instances_gltf(), with other nodes of which the first is its root.
+std::string gltf_with_nodes(const std::string& nodes, const std::string& buffer_uri)
+{
+    std::string gltf = two_instances_gltf(buffer_uri);
+    const size_t begin = gltf.find("\"nodes\":[{");
+    gltf.replace(begin, gltf.find("\"meshes\"") - begin, "\"nodes\":" + nodes + ",\n");
+    return gltf.replace(gltf.find("[0,1]"), 5, "[0]");
+}
+
+/// Nodes of which each but the last has the next as a child, `times` times.
+std::string chain_of_nodes(size_t count, size_t times = 1)
+{
+    std::string nodes = "[";
+    for (size_t next = 1; next < count; ++next) {
+        const std::string child = std::to_string(next);
+        nodes += "{\"children\":[" + child + repeated("," + child, times - 1) + "]},";
+    }
+    return nodes + "{\"mesh\":0}]";
 }
 
 std::string contents(const std::string& file)
@@ -372,6 +407,85 @@ TEST(Loader, IndicesBeyondTheVerticesAreAnErrorOrAtLeastNoCrash)
                             "0 0 0\n4 0 0\n0 0 4\n4 0 1 2 77\n";
     EXPECT_FALSE(load_scene(folder.write("bad.ply", ply)));
     EXPECT_FALSE(load_scene(folder.write("bad.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9 12\n")));
+}
+
+TEST(Loader, JsonThatNestsTooDeeplyIsRefused)
+{
+    constexpr size_t kDepth = 300000; // a stack frame each would be more than there is
+    const TempFolder folder;
+    const std::string list = repeated("[", kDepth) + std::string(kDepth, ']');
+    const std::string object = repeated("{\"a\":", kDepth) + "1" + std::string(kDepth, '}');
+    for (const std::string& deep : {list, object}) {
+        std::string gltf = two_instances_gltf("");
+        gltf.insert(1, "\"extras\":" + deep + ',');
+        const std::string says = "its JSON is nested more than 256 deep";
+        expect_error(folder.write("deep.gltf", gltf), ErrorCode::bad_data, says);
+        expect_error(folder.write("deep", "\xEF\xBB\xBF" + gltf), ErrorCode::bad_data, says);
+        expect_error(folder.write("deep.glb", glb_of(gltf, triangle_buffer())), ErrorCode::bad_data,
+                     says);
+        expect_error(folder.write("only.gltf", deep), ErrorCode::bad_data, says);
+    }
+    // What nests less is read, and brackets in strings are none.
+    std::string gltf = two_instances_gltf("");
+    gltf.insert(1, "\"extras\":" + std::string(200, '[') + "\"\\\"" + std::string(300, '[') + '"' +
+                       std::string(200, ']') + ',');
+    expect_two_instances(load_scene(folder.write("two.glb", glb_of(gltf, triangle_buffer()))));
+}
+
+TEST(Loader, NodesThatNestTooDeeplyAreRefused)
+{
+    const TempFolder folder;
+    const auto gltf_file = [&](const std::string& nodes) {
+        return folder.write("nodes.gltf", gltf_with_nodes(nodes, R"(,"uri":"tri.bin")"));
+    };
+    folder.write("tri.bin", triangle_buffer());
+    const auto model = load_scene(gltf_file(chain_of_nodes(1000)));
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(drawn_triangles(*model), 1u);
+    const std::string says = "node 1000 lies more than 1000 nodes deep";
+    for (const size_t count : {1001, 100000}) {
+        const std::string nodes = chain_of_nodes(count);
+        expect_error(gltf_file(nodes), ErrorCode::bad_data, says);
+        const std::string glb = glb_of(gltf_with_nodes(nodes, ""), triangle_buffer());
+        expect_error(folder.write("nodes.glb", glb), ErrorCode::bad_data, says);
+    }
+    expect_error(gltf_file(R"([{"children":[1]},{"mesh":0,"children":[0]}])"), ErrorCode::bad_data,
+                 "or in itself");
+    expect_error(folder.write("named.gltf", R"({"asset":{"version":"1.0"},"scene":"s",
+                     "scenes":{"s":{"nodes":["a"]}},"nodes":{"a":{"children":["a"]}}})"),
+                 ErrorCode::bad_data, "node \"a\" lies more than 1000 nodes deep, or in itself");
+}
+
+TEST(Loader, NodesThatAreManyByHavingSeveralParentsAreRefused)
+{
+    const TempFolder folder;
+    folder.write("tri.bin", triangle_buffer());
+    const auto gltf_file = [&](size_t levels) {
+        return folder.write("nodes.gltf",
+                            gltf_with_nodes(chain_of_nodes(levels + 1, 2), R"(,"uri":"tri.bin")"));
+    };
+    const auto model = load_scene(gltf_file(5));
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(model->instances.size(), 32u);
+    expect_error(gltf_file(20), ErrorCode::bad_data, "nodes have several parents");
+}
+
+/// A Collada file whose node is its own child: nothing but Assimp looks at that.
+TEST(LoaderDeathTest, AFileThatCrashesAssimpEndsTheProgramWithASentence)
+{
+    const TempFolder folder;
+    const std::string file = folder.write("ring.dae", R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_visual_scenes>
+<visual_scene id="s"><node id="n"><instance_node url="#n"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)");
+    const auto load_it = [&] {
+        rlimit stack{};
+        ::getrlimit(RLIMIT_STACK, &stack); // it shall have an end, whatever the shell says
+        stack.rlim_cur = std::min(stack.rlim_cur, rlim_t{1} << 23);
+        ::setrlimit(RLIMIT_STACK, &stack);
+        static_cast<void>(load_scene(file));
+    };
+    EXPECT_EXIT(load_it(), testing::ExitedWithCode(2), "^occlude: .*/ring.dae: .* export it again");
 }
 
 TEST(Loader, IsTheSameEveryTime)

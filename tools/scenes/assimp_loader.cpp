@@ -1,6 +1,8 @@
 #include "scenes/assimp_loader.h"
 
+#include "scenes/crash_guard.h"
 #include "scenes/mesh_tools.h"
+#include "scenes/unreadable_files.h"
 
 #include <occlude/core/rng.h>
 
@@ -16,11 +18,9 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
@@ -93,54 +93,6 @@ glm::mat4 to_glm(const aiMatrix4x4& m)
             m.a3, m.b3, m.c3, m.d3, m.a4, m.b4, m.c4, m.d4};
 }
 
-/// A GLB says how long it is: what Assimp would make of half of one need not be found out.
-std::optional<std::string> broken_glb(const std::string& file, uintmax_t file_size)
-{
-    std::ifstream in(file, std::ios::binary);
-    std::array<char, 20> bytes{};
-    in.read(bytes.data(), bytes.size());
-    if (in.gcount() < 4 || std::memcmp(bytes.data(), "glTF", 4) != 0) {
-        return std::nullopt; // not a binary glTF
-    }
-    const auto word = [&](size_t at) {
-        uint32_t value = 0;
-        for (size_t i = 0; i < 4; ++i) {
-            value |= uint32_t{static_cast<unsigned char>(bytes[at + i])} << (8 * i);
-        }
-        return value;
-    };
-    if (in.gcount() < 20) {
-        return fmt::format("ends after {} bytes, inside the header; export or download it again",
-                           file_size);
-    }
-    if (word(8) > file_size || uintmax_t{20} + word(12) > file_size) {
-        return fmt::format("ends after {} bytes, but its header says {}; it was cut off, export or "
-                           "download it again",
-                           file_size, std::max(uintmax_t{word(8)}, uintmax_t{20} + word(12)));
-    }
-    return std::nullopt;
-}
-
-/// Assimp 5.2 looks for the end of a PLY header for ever.
-std::optional<std::string> broken_ply(const std::string& file)
-{
-    constexpr size_t kLongestHeader = 1 << 20;
-    std::ifstream in(file, std::ios::binary);
-    std::string head(kLongestHeader, '\0');
-    in.read(head.data(), static_cast<std::streamsize>(head.size()));
-    head.resize(static_cast<size_t>(in.gcount()));
-    const bool is_ply = head.starts_with("ply\n") || head.starts_with("ply\r");
-    if (!is_ply) {
-        return std::nullopt;
-    }
-    const size_t end = head.find("\nend_header");
-    const size_t after = end == std::string::npos ? end : end + std::strlen("\nend_header");
-    if (after >= head.size() || (head[after] != '\n' && head[after] != '\r')) {
-        return "has no whole PLY header, the line end_header is missing; export it again";
-    }
-    return std::nullopt;
-}
-
 std::optional<Error> check_file(const std::string& file)
 {
     std::error_code failed;
@@ -161,10 +113,7 @@ std::optional<Error> check_file(const std::string& file)
     if (failed || size == 0) {
         return bad_file(file, "is empty; export or download it again");
     }
-    if (const auto problem = broken_glb(file, size)) {
-        return bad_file(file, *problem);
-    }
-    if (const auto problem = broken_ply(file)) {
+    if (const auto problem = unreadable_by_assimp(file, size)) {
         return bad_file(file, *problem);
     }
     return std::nullopt;
@@ -386,6 +335,10 @@ SceneModel convert(const aiScene& scene, const std::string& file, const SceneOpt
 
 Result<SceneModel> load(const std::string& file, const SceneOptions& options)
 {
+    const CrashGuard guard(fmt::format(
+        "occlude: {}: reading it crashed Assimp: it nests too deeply, refers to itself or is "
+        "damaged; export it again with fewer levels, or as GLB\n",
+        file));
     Assimp::Importer importer;
     importer.SetIOHandler(new ListedFiles); // the importer owns it
     const aiScene* scene = importer.ReadFile(file, 0);

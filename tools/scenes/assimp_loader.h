@@ -8,7 +8,8 @@ namespace occlude::tools {
 /// The scene in `file`, of any format that Assimp reads. A mesh that several nodes share stays one
 /// mesh with several instances. Points and lines, triangles without area and triangles with a
 /// corner that is not a finite number are left out; missing normals are made. Textures, lights,
-/// cameras and animations are not read. Errors name the file and what is wrong with it.
+/// cameras and animations are not read. Errors name the file and what is wrong with it. A file that
+/// crashes Assimp all the same ends the program: see CrashGuard.
 ///
 /// `unit`: glTF, Collada and FBX say what a unit is (Assimp turns Collada into metres), and they
 /// are believed unless the size is absurd; see guess_unit().

@@ -1,8 +1,9 @@
 #include "scenes/path_json.h"
 
-#include <fmt/format.h>
+#include "report/parse_json.h"
 
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -27,9 +28,9 @@ Result<json> read_path_json(const std::string& file)
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     json root;
     try {
-        root = json::parse(text);
-    } catch (const json::exception& error) {
-        return bad_path(file, fmt::format("is not JSON: {}", error.what()));
+        root = parse_json<json>(text);
+    } catch (const std::exception& error) {
+        return bad_path(file, fmt::format("is not JSON that can be read: {}", error.what()));
     }
     if (!root.is_object()) {
         return bad_path(file, "must hold {\"version\": 1, \"frames\": [...]}");

@@ -1,10 +1,8 @@
 #include "suites/suite_results.h"
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include "report/parse_json.h"
 
 #include <limits>
-#include <stdexcept>
 
 namespace occlude::tools {
 
@@ -17,19 +15,6 @@ double figure_of(const Map& figures, std::string_view name)
 {
     const auto found = figures.find(name);
     return found != figures.end() ? found->second : std::numeric_limits<double>::quiet_NaN();
-}
-
-// Results are walked by recursion, and nest a few levels deep: a file that nests deeper than this is
-// none. Throws what says why, like Json::parse.
-Json parse_results(std::string_view text)
-{
-    static constexpr int kDeepest = 64;
-    return Json::parse(text, [](int depth, Json::parse_event_t, const Json&) {
-        if (depth > kDeepest) {
-            throw std::length_error{fmt::format("nested more than {} deep", kDeepest)};
-        }
-        return true;
-    });
 }
 
 // Numbers below `json` by the way to them, with dots between the keys. Lists are left out.
@@ -133,7 +118,7 @@ const EntryResult* SuiteResults::entry(std::string_view name) const
 Result<SuiteResults> parse_suite_results(const std::string& file, std::string_view text)
 {
     try {
-        const Json json = parse_results(text);
+        const Json json = parse_json<Json>(text);
         SuiteResults results;
         results.suite = json.at("suite").get<std::string>();
         results.scale = json.at("scale").get<std::string>();
@@ -150,8 +135,8 @@ Result<std::string> add_to_results(const std::string& file, std::string_view kep
                                    std::string_view measured, const std::vector<std::string>& names)
 {
     try {
-        const Json old = parse_results(kept);
-        Json results = parse_results(measured);
+        const Json old = parse_json<Json>(kept);
+        Json results = parse_json<Json>(measured);
         for (const char* key : {"suite", "scale"}) {
             if (old.at(key) != results.at(key)) {
                 return Error{ErrorCode::invalid_argument,
