@@ -5,6 +5,7 @@
 #include "commands/comparison.h"
 #include "report/json_report.h"
 #include "report/papers_report.h"
+#include "suites/findings.h"
 #include "suites/published_figures.h"
 #include "suites/suite_results.h"
 
@@ -272,6 +273,50 @@ TEST(SuiteResults, WhatNestsTooDeeplyIsRefused)
               std::string::npos)
         << results.error().message;
     EXPECT_FALSE(add_to_results("x.json", text, text, {}));
+}
+
+TEST(Findings, NumbersAreReadableWhateverAFileSays)
+{
+    EXPECT_EQ(readable(0.125), "0.12");
+    EXPECT_EQ(readable(12345.6), "12,346");
+    EXPECT_EQ(readable(-12345.6), "-12,346");
+    EXPECT_EQ(readable(999999999999999.0), "999,999,999,999,999");
+    EXPECT_EQ(readable(1e15), "1e+15");
+    EXPECT_EQ(readable(-1e300), "-1e+300");
+    EXPECT_EQ(readable(NAN), "-");
+}
+
+TEST(SuiteResults, SizesThatAreNoSizesAreNamedWithTheirPlace)
+{
+    const Json results = Json::parse(
+        suite_report("papers", "small", std::vector{entry_of("a", {}), entry_of("b", {})}));
+    for (const char* size :
+         {"-1", "0.5", "1e300", "4294967296", "18446744073709551617", "\"640\"", "null", "[1]"}) {
+        for (const char* axis : {"0", "1"}) {
+            Json broken = results;
+            broken["documents"][1]["size"][std::stoul(axis)] = Json::parse(size);
+            const auto read = parse_suite_results("x.json", broken.dump());
+            ASSERT_FALSE(read) << size;
+            EXPECT_NE(
+                read.error().message.find("x.json: these are no results of a suite "
+                                          "(documents[1]: size[" +
+                                          std::string{axis} +
+                                          "] must be a whole number from 0 to 4294967295, not "),
+                std::string::npos)
+                << read.error().message;
+        }
+    }
+    Json largest = results;
+    largest["documents"][1]["size"] = {4294967295, 0};
+    const auto read = parse_suite_results("x.json", largest.dump());
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->entries[1].size, "4294967295 x 0");
+
+    Json without = results;
+    without["documents"][0].erase("size");
+    const auto refused = parse_suite_results("x.json", without.dump());
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("documents[0]: "), std::string::npos);
 }
 
 TEST(SuiteCommand, MistakesAreNamedWithWhatWouldWork)

@@ -42,14 +42,14 @@ Json parse_json(std::string_view text)
     return Json::parse(text);
 }
 
-/// A number from 0 to `most` without a fraction; throws std::out_of_range, which quotes anything
-/// else and says that it is `what`.
+/// A number that fits, without a fraction; throws std::out_of_range for anything else, which is quoted
+/// and said to be `what`.
 template <class Json>
-uint32_t whole_number(const Json& value, uint32_t most, std::string_view what)
+uint32_t whole_number(const Json& value, std::string_view what)
 {
-    if (!value.is_number_unsigned() || value.template get<uint64_t>() > most) {
+    if (!value.is_number_unsigned() || value.template get<uint64_t>() > UINT32_MAX) {
         throw std::out_of_range{fmt::format("{} must be a whole number from 0 to {}, not {}", what,
-                                            most, value.dump())};
+                                            UINT32_MAX, value.dump())};
     }
     return value.template get<uint32_t>();
 }

@@ -53,9 +53,8 @@ std::optional<std::string> broken_nodes(const json& nodes, const json& scene)
                 "parents; export it again as a tree",
                 name->dump(), kMostShared);
         }
-        const json& node = name->is_string()
-                               ? nodes.at(name->get_ref<const std::string&>())
-                               : nodes.at(whole_number(*name, UINT32_MAX, "the index of a node"));
+        const json& node = name->is_string() ? nodes.at(name->get_ref<const std::string&>())
+                                             : nodes.at(whole_number(*name, "the index of a node"));
         add(node, "children", depth + 1);
     }
     return std::nullopt;

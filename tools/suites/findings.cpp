@@ -156,8 +156,12 @@ std::string readable(double value)
         return "-";
     }
     const double size = std::abs(value);
+    if (size >= 1e15) { // beyond what a double counts
+        return fmt::format("{:.3g}", value);
+    }
     if (size >= 1000.0) {
-        return grouped(static_cast<uint64_t>(std::llround(value)));
+        return fmt::format("{}{}", value < 0.0 ? "-" : "",
+                           grouped(static_cast<uint64_t>(std::llround(size))));
     }
     return fmt::format("{:.{}f}", value, size >= 100.0 ? 0 : (size >= 10.0 ? 1 : 2));
 }

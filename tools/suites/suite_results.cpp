@@ -39,6 +39,7 @@ RunResult read_run(const Json& json)
     return run;
 }
 
+// What is missing or of another kind is thrown.
 EntryResult read_entry(const Json& json)
 {
     EntryResult entry;
@@ -46,8 +47,9 @@ EntryResult read_entry(const Json& json)
     entry.date = json.at("date").get<std::string>();
     entry.scene = json.at("scene").at("name").get<std::string>();
     entry.path = json.at("path").get<std::string>();
-    entry.size =
-        fmt::format("{} x {}", json.at("size").at(0).get<int>(), json.at("size").at(1).get<int>());
+    const Json& size = json.at("size");
+    entry.size = fmt::format("{} x {}", whole_number(size.at(0), "size[0]"),
+                             whole_number(size.at(1), "size[1]"));
     entry.hierarchy = json.at("hierarchy").get<std::string>();
     entry.device = fmt::format("{}: {}", json.at("device").at("api").get<std::string>(),
                                json.at("device").at("renderer").get<std::string>());
@@ -117,17 +119,19 @@ const EntryResult* SuiteResults::entry(std::string_view name) const
 
 Result<SuiteResults> parse_suite_results(const std::string& file, std::string_view text)
 {
+    std::string place;
     try {
         const Json json = parse_json<Json>(text);
         SuiteResults results;
         results.suite = json.at("suite").get<std::string>();
         results.scale = json.at("scale").get<std::string>();
         for (const Json& document : json.at("documents")) {
+            place = fmt::format("documents[{}]: ", results.entries.size());
             results.entries.push_back(read_entry(document));
         }
         return results;
     } catch (const std::exception& error) {
-        return not_results(file, error.what());
+        return not_results(file, place + error.what());
     }
 }
 
