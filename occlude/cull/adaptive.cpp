@@ -278,19 +278,21 @@ void Adaptive::stop_culling()
 // --- against depth that was read back ------------------------------------------------------------
 
 // Reads the depth of all that is drawn so far, and learns from the time that took what drawing
-// costs; a few times more, at rest, what reading costs.
+// costs; a few times, what reading costs.
 bool Adaptive::read_depth(CullFrame& frame)
 {
-    if (!depth_.read(frame)) {
+    frame.flush_draws();
+    const bool measures = measures_read(frame);
+    const double at_rest = measures ? come_to_rest(frame) : 0.0;
+    if (!(measures ? measure_read(frame) : depth_.read(frame))) {
         return false;
     }
     const double units = costs_.units(frame.counters());
-    const double read = now();
-    measure_read(frame);
     const double read_us = costs_.round(TestMethod::pyramid).us_per_round;
     spent_us_ += read_us;
     if (clock_) {
-        costs_.drew(units - units_at_read_, std::max(read - started_us_ - read_us, 0.0));
+        const double drawn = measures ? at_rest : now() - read_us;
+        costs_.drew(units - units_at_read_, std::max(drawn - started_us_, 0.0));
     }
     units_at_read_ = units;
     hidden_at_read_ = hidden_units_;
@@ -298,19 +300,37 @@ bool Adaptive::read_depth(CullFrame& frame)
     return true;
 }
 
-// The device is at rest: what does reading all of the target cost?
-void Adaptive::measure_read(CullFrame& frame)
+// Is it worth a look at how long reading takes?
+bool Adaptive::measures_read(const CullFrame& frame) const
 {
     const bool dear = costs_.rounds_measured(TestMethod::pyramid) > 0 &&
                       costs_.round(TestMethod::pyramid).us_per_round >
                           kFarMore * costs_.hint(TestMethod::pyramid).us_per_round;
-    if (!clock_ || measured_ || dear || costs_.least_known(TestMethod::pyramid).tests == 0) {
-        return;
-    }
+    return clock_ && !measured_ && !dear && frame.counters().items_drawn > 0 &&
+           costs_.least_known(TestMethod::pyramid).tests > 0;
+}
+
+// The device is at rest, and depth is wherever drawing left it: what does reading all of the target
+// cost? A second time it would come from a cache.
+bool Adaptive::measure_read(CullFrame& frame)
+{
     measured_ = true;
+    depth_.make_room(frame.view());
     const double from = now();
-    depth_.read(frame);
+    const bool known = depth_.read(frame);
     costs_.tested(TestMethod::pyramid, 1, 1, now() - from);
+    return known;
+}
+
+// One pixel comes when all is drawn. Gives the time when it was; a second pixel tells what the first
+// took besides.
+double Adaptive::come_to_rest(CullFrame& frame)
+{
+    float pixel = 0.0f;
+    frame.read_depth({0, 0, 1, 1}, {&pixel, 1});
+    const double first = now();
+    frame.read_depth({0, 0, 1, 1}, {&pixel, 1});
+    return first - (now() - first);
 }
 
 // While things are revealed: when so much waits to be drawn that it could hide the rest.

@@ -125,7 +125,9 @@ private:
     // --- against depth that was read back ---
     void by_pyramid(CullFrame& frame);
     bool read_depth(CullFrame& frame);
-    void measure_read(CullFrame& frame);
+    bool measures_read(const CullFrame& frame) const;
+    bool measure_read(CullFrame& frame);
+    double come_to_rest(CullFrame& frame);
 
     // --- by tests on the device (adaptive_device_tests.cpp) ---
     void by_device(CullFrame& frame);

@@ -331,7 +331,9 @@ void Adaptive::measure_methods(CullFrame& frame, std::span<const Candidate> cand
             continue;
         }
         if (method == TestMethod::pyramid) {
-            measure_read(frame);
+            if (measures_read(frame)) {
+                measure_read(frame);
+            }
         } else if (shape.boxes <= candidates.size()) {
             measure_round(frame, method, candidates.first(shape.boxes), shape.boxes / shape.tests);
         }

@@ -122,7 +122,9 @@ void CutCuller::sort_out(CullFrame& frame)
         if (!visit(frame, candidate)) {
             keep_outside(entry);
         } else if (entry.state == State::visible && still_visible(entry)) {
-            candidate.distance = frame.view().distance_key(box_of(entry));
+            // By their middle: the nearest point of what is large, and around the eye, says nothing.
+            const glm::vec3 middle = box_of(entry).center();
+            candidate.distance = frame.view().distance_key({middle, middle});
             expected_.push_back(candidate);
         } else {
             entry.state = entry.state == State::visible ? State::hidden : entry.state;
