@@ -208,7 +208,7 @@ void Adaptive::start_frame(CullFrame& frame)
     shapes_us_ = 0.0;
     hidden_units_ = 0.0;
     measured_ = false;
-    depth_.start_frame(frame.caps());
+    depth_.start_frame(frame.samples());
     units_at_read_ = 0.0;
     hidden_at_read_ = 0.0;
     read_after_us_ = kFirstReadAfter * costs_.round(TestMethod::pyramid).us_per_round;

@@ -270,10 +270,9 @@ Answer CullFrame::wait(Ticket ticket)
     return counted(device_.wait(ticket));
 }
 
-ScreenSpace CullFrame::screen_space() const
+SamplePositions CullFrame::samples() const
 {
-    return ScreenSpace{view(), caps().samples_at_pixel_centers ? SamplePositions::center
-                                                               : SamplePositions::anywhere};
+    return caps().samples_at_pixel_centers ? SamplePositions::center : SamplePositions::anywhere;
 }
 
 bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)

@@ -10,8 +10,8 @@
 #pragma once
 
 #include <occlude/core/frame_report.h>
+#include <occlude/core/projection.h>
 #include <occlude/core/query_device.h>
-#include <occlude/core/screen_box.h>
 #include <occlude/core/view.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/decision_log.h>
@@ -136,8 +136,8 @@ public:
     Answer poll(Ticket ticket);
     Answer wait(Ticket ticket);
 
-    /// Where boxes of the world are among the device's samples.
-    ScreenSpace screen_space() const;
+    /// Where the device has its samples, for boxes that are compared with depth.
+    SamplePositions samples() const;
     /// Reads back depth; see QueryDevice::read_depth.
     bool read_depth(const PixelRect& rect, std::span<float> out);
 

@@ -22,7 +22,7 @@ bool DepthTests::read(CullFrame& frame)
     known_ = frame.read_depth({0, 0, size.x, size.y}, pyramid_.resize(size));
     if (known_) {
         pyramid_.build();
-        screen_ = frame.screen_space();
+        screen_ = ScreenSpace{frame.view(), samples_};
     }
     return known_;
 }

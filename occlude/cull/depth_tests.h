@@ -30,11 +30,10 @@ public:
     }
 
     /// Nothing is known of the frame that starts.
-    void start_frame(const DeviceCaps& caps)
+    void start_frame(SamplePositions samples)
     {
         known_ = false;
-        samples_ =
-            caps.samples_at_pixel_centers ? SamplePositions::center : SamplePositions::anywhere;
+        samples_ = samples;
     }
 
     /// Where boxes are on the screen of this device. Precondition: bounds.size() == boxes.size().

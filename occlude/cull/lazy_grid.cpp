@@ -384,7 +384,8 @@ void push(std::vector<Entry>& heap, const Entry& entry, Order order)
 void LazyGrid::insert(CullFrame& frame, NodeId node, PlaneMask mask)
 {
     if (frame.visit(node, mask)) {
-        const ScreenBounds bounds = project(frame.view(), hierarchy().node(node).box);
+        const ScreenBounds bounds =
+            project(frame.view(), hierarchy().node(node).box, frame.samples());
         push(test_list_, Entry{bounds, node, mask}, by_nearest_depth);
     }
 }
@@ -468,7 +469,7 @@ void LazyGrid::cull_frame(CullFrame& frame)
 {
     grid_.reset(frame.view().size_px(), static_cast<int>(options_.cell_size));
     if (options_.bounds == Bounds::faces) {
-        screen_ = frame.screen_space();
+        screen_ = ScreenSpace{frame.view(), frame.samples()};
     }
     test_list_.clear();
     draw_list_.clear();

@@ -40,7 +40,7 @@ bool TwoPhase::read_again(CullFrame& frame)
 
 void TwoPhase::cull_frame(CullFrame& frame)
 {
-    depth_.start_frame(frame.caps());
+    depth_.start_frame(frame.samples());
     sort_out(frame);
     draw_expected(frame);
     if (frame.caps().read_depth) {

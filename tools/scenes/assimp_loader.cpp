@@ -335,13 +335,16 @@ SceneModel convert(const aiScene& scene, const std::string& file, const SceneOpt
 
 Result<SceneModel> load(const std::string& file, const SceneOptions& options)
 {
-    const CrashGuard guard(fmt::format(
-        "occlude: {}: reading it crashed Assimp: it nests too deeply, refers to itself or is "
-        "damaged; export it again with fewer levels, or as GLB\n",
-        file));
     Assimp::Importer importer;
     importer.SetIOHandler(new ListedFiles); // the importer owns it
-    const aiScene* scene = importer.ReadFile(file, 0);
+    const aiScene* scene = nullptr;
+    {
+        const CrashGuard guard(fmt::format(
+            "occlude: {}: reading it crashed Assimp: it nests too deeply, refers to itself or is "
+            "damaged; export it again with fewer levels, or as GLB\n",
+            file));
+        scene = importer.ReadFile(file, 0);
+    }
     if (scene == nullptr || scene->mRootNode == nullptr) {
         const std::string reason = importer.GetErrorString();
         return bad_file(file, fmt::format("cannot be read as a scene ({}); give a whole glTF, GLB, "

@@ -364,10 +364,11 @@ std::span<const Paper> papers()
             "H. Hey, R. F. Tobler, W. Purgathofer: Real-Time Occlusion Culling with a Lazy "
             "Occlusion Grid, 2001",
             "Theirs: Athlon at 900 MHz, GeForce2 GTS. None is `frustum`, lazy and busy are "
-            "`lazy_grid` with `update=lazy` and `update=busy`; cells of 32 x 32 pixels, boxes of "
-            "at most 1,500 triangles. In the city boxes have at most 128 triangles and are tested "
-            "by their faces, up to 128 of them wait for pixels at once, and a read-back takes "
-            "whole rows of cells (`bounds`, `tests_at_once`, `join`)."},
+            "`lazy_grid` with `update=lazy` and `update=busy`; cells of 32 x 32 pixels. Theirs: "
+            "boxes "
+            "of at most 1,500 triangles; here of 128, tested by their faces, up to 96 of them wait "
+            "for pixels at once, and a read-back takes whole rows of cells (`bounds`, "
+            "`tests_at_once`, `join`)."},
         Paper{"GEMS29", "D. Sekulic: Efficient Occlusion Culling, GPU Gems, chapter 29, 2004",
               "Rules of thumb for the hardware of 2004. One test per object is `batch_and_wait`, "
               "the answers of the last frame are `next_frame`."},
