@@ -28,6 +28,10 @@ constexpr uint32_t kRareProbe = 128;
 // By tests on the device a probe takes many of them: not more often than this.
 constexpr double kFramesPerDeviceProbe = 16.0;
 
+// By tests on the device, so many of the first frames are probed at most: each kind of round is measured
+// three times.
+constexpr uint32_t kFirstProbes = 12;
+
 // The depth of a probe: nodes of less than this part of the frame's work are not opened.
 constexpr double kProbeGrain = 1.0 / 512.0;
 
@@ -84,6 +88,7 @@ void Adaptive::reset_state()
     keep_table_.clear();
     culling_ = true;
     first_look_ = true;
+    first_probes_ = 0;
     frames_since_probe_ = kRareProbe; // none yet: one may come at once
     saved_per_spent_ = 0.0;
     hidden_share_ = 0.5;
@@ -406,10 +411,13 @@ void Adaptive::probe(CullFrame& frame)
     culling_ = saved_us > double{options_.start_margin} * spent_us_;
     if (culling_) {
         saved_per_spent_ = saved_us / std::max(spent_us_, 1e-3);
-        first_look_ = false;
     } else {
         cut_.clear();
     }
+    // The first probes come one after the other, because they teach what tests cost.
+    ++first_probes_;
+    first_look_ = first_look_ && !culling_ && first_probes_ < kFirstProbes &&
+                  costs_.least_known(method_).tests > 0;
 }
 
 void Adaptive::probe_by_pyramid(CullFrame& frame)

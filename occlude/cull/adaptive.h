@@ -188,6 +188,7 @@ private:
     bool can_test_ = false;
     bool culling_ = true;
     bool first_look_ = true;
+    uint32_t first_probes_ = 0;
     uint32_t frames_since_probe_ = 0xffff;
     double saved_per_spent_ = 0.0; ///< smoothed
     double tests_last_frame_ = 0.0;

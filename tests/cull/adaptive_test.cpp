@@ -84,6 +84,23 @@ TEST(Adaptive, WhereTestsCostMoreThanDrawingItIsFrustumCulling)
     EXPECT_EQ(to_string(report.plan).substr(0, 8), "draw_all");
 }
 
+// On a device without depth the first frames are probed, and then few.
+TEST(Adaptive, WhereNothingIsHiddenTheDeviceIsNotAskedInEveryFrame)
+{
+    const Hierarchy tree = row_tree(2);
+    ScriptedDevice device(priced(1.0f, {0, 1, 2, 3, 4, 5, 6}));
+    Adaptive culler{tree};
+    int asked = 0;
+    for (int frame = 0; frame < 100; ++frame) {
+        const FrameReport report = culler.cull(look_ahead(), device);
+        EXPECT_EQ(report.plan.kind, FramePlan::Kind::draw_all);
+        EXPECT_EQ(report.counters.items_drawn, 4u);
+        asked += report.counters.queries > 0 ? 1 : 0;
+    }
+    EXPECT_GT(asked, 0);
+    EXPECT_LE(asked, 12 + 100 / 16);
+}
+
 TEST(Adaptive, WithoutAnyTestItDrawsAllAndSaysWhy)
 {
     const Hierarchy tree = row_tree(2);
