@@ -173,6 +173,9 @@ TestMethod Adaptive::choose_method() const
     case AdaptiveOptions::Method::automatic:
         break;
     }
+    if (guessing()) {
+        return method_;
+    }
     constexpr double kSwitch = 0.7; // another method must be cheaper by this, or they take turns
     TestMethod best = method_;
     double best_us = costs_.has(method_) ? kSwitch * expected_us(method_) : 0.0;
@@ -266,7 +269,8 @@ void Adaptive::judge(CullFrame& frame)
     saved_per_spent_ =
         first_look_ ? ratio : (1.0 - kForget) * saved_per_spent_ + kForget * std::min(ratio, 16.0);
     first_look_ = false;
-    const bool pays = spent_us_ > 0.0 && saved_per_spent_ >= double{options_.keep_margin};
+    const bool pays =
+        spent_us_ > 0.0 && (saved_per_spent_ >= double{options_.keep_margin} || guessing());
     if (options_.method == AdaptiveOptions::Method::automatic && !pays) {
         stop_culling();
         frames_since_probe_ = depth_.known() || method_ != TestMethod::pyramid ? 0 : kRareProbe;
@@ -305,13 +309,25 @@ bool Adaptive::read_depth(CullFrame& frame)
     return true;
 }
 
+bool Adaptive::reads_are_dear() const
+{
+    return costs_.rounds_measured(TestMethod::pyramid) > 0 &&
+           costs_.round(TestMethod::pyramid).us_per_round >
+               kFarMore * costs_.hint(TestMethod::pyramid).us_per_round;
+}
+
+// Is what reading takes known from one frame or two, which may have been disturbed? Then nothing is
+// decided by it, unless it would have to be wrong by far.
+bool Adaptive::guessing() const
+{
+    return method_ == TestMethod::pyramid && costs_.rounds_measured(method_) > 0 &&
+           costs_.least_known(method_).tests > 0 && !reads_are_dear();
+}
+
 // Is it worth a look at how long reading takes?
 bool Adaptive::measures_read(const CullFrame& frame) const
 {
-    const bool dear = costs_.rounds_measured(TestMethod::pyramid) > 0 &&
-                      costs_.round(TestMethod::pyramid).us_per_round >
-                          kFarMore * costs_.hint(TestMethod::pyramid).us_per_round;
-    return clock_ && !measured_ && !dear && frame.counters().items_drawn > 0 &&
+    return clock_ && !measured_ && !reads_are_dear() && frame.counters().items_drawn > 0 &&
            costs_.least_known(TestMethod::pyramid).tests > 0;
 }
 

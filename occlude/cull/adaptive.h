@@ -125,6 +125,8 @@ private:
     // --- against depth that was read back ---
     void by_pyramid(CullFrame& frame);
     bool read_depth(CullFrame& frame);
+    bool reads_are_dear() const;
+    bool guessing() const;
     bool measures_read(const CullFrame& frame) const;
     bool measure_read(CullFrame& frame);
     double come_to_rest(CullFrame& frame);
