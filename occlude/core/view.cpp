@@ -74,6 +74,8 @@ double corner_reach(const glm::dmat4& world_from_clip, const glm::dvec3& eye, do
     return reach;
 }
 
+constexpr double kRoundedUp = 1.0 + 1e-6; // what is taken to be a bound in float
+
 double frobenius_norm(const glm::dmat3& map)
 {
     return std::sqrt(glm::dot(map[0], map[0]) + glm::dot(map[1], map[1]) +
@@ -81,6 +83,11 @@ double frobenius_norm(const glm::dmat3& map)
 }
 
 } // namespace
+
+float stretch(const glm::mat4& map)
+{
+    return static_cast<float>(frobenius_norm(glm::dmat3{map}) * kRoundedUp);
+}
 
 float inverse_stretch(const glm::mat4& map)
 {
@@ -90,8 +97,8 @@ float inverse_stretch(const glm::mat4& map)
         return 0.0f;
     }
     const glm::dmat3 inverse = glm::inverse(linear);
-    const auto stretch = static_cast<float>(frobenius_norm(inverse) * (1.0 + 1e-6));
-    return std::isfinite(stretch) ? stretch : 0.0f;
+    const auto most = static_cast<float>(frobenius_norm(inverse) * kRoundedUp);
+    return std::isfinite(most) ? most : 0.0f;
 }
 
 // A length of the object grows by at most the Frobenius norm of the map, and a distance between two
@@ -99,19 +106,19 @@ float inverse_stretch(const glm::mat4& map)
 // at most R c + T, hence no more than 2 R max(c, T / R).
 Inflation Inflation::in(const glm::mat4& world_from_object, float inverse_stretch) const
 {
-    constexpr double kRoundedUp = 1.0 + 1e-5;
+    constexpr double kMargin = 1.0 + 1e-5;
     const glm::dmat4 map{world_from_object};
     const double stretch = frobenius_norm(glm::dmat3{map});
     const glm::dvec3 origin{detail::absolute(glm::dvec3{map[3]})};
     const double farthest = std::max({origin.x, origin.y, origin.z, double{reach}});
     const double rows = 2.0 * stretch; // the sum of a row of three is at most sqrt(3) of the norm
     Inflation own;
-    own.per_w = static_cast<float>(kRoundedUp * double{per_w} * inverse_stretch);
+    own.per_w = static_cast<float>(kMargin * double{per_w} * inverse_stretch);
     own.per_diagonal =
-        static_cast<float>(kRoundedUp * double{per_diagonal} * stretch * inverse_stretch);
+        static_cast<float>(kMargin * double{per_diagonal} * stretch * inverse_stretch);
     own.per_coordinate =
-        static_cast<float>(kRoundedUp * double{per_coordinate} * 2.0 * rows * inverse_stretch);
-    own.reach = static_cast<float>(kRoundedUp * farthest / rows);
+        static_cast<float>(kMargin * double{per_coordinate} * 2.0 * rows * inverse_stretch);
+    own.reach = static_cast<float>(kMargin * farthest / rows);
     own.row_w = glm::vec4{glm::dvec4{row_w} * map};
     return own;
 }

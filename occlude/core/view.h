@@ -15,6 +15,9 @@
 
 namespace occlude {
 
+/// The most by which an affine map stretches a length, or somewhat more (a Frobenius norm, rounded
+/// up).
+float stretch(const glm::mat4& map);
 /// The most by which the inverse of an affine map stretches a length, or somewhat more (a Frobenius
 /// norm, rounded up); 0 if it has no usable inverse.
 float inverse_stretch(const glm::mat4& map);

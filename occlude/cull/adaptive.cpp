@@ -16,8 +16,7 @@ constexpr double kNextReadAfter = 2.0;
 // meanwhile. It should hide so many times its cost.
 constexpr double kWellWorth = 4.0;
 
-// Frames in which depth is read once more, from a device at rest, to learn what that costs: only one
-// if it costs so many times what was thought.
+// What reading depth costs is measured in one frame only if it is so many times what was thought.
 constexpr double kFarMore = 4.0;
 
 // A probe that takes more than this part of a frame comes at most once in kRareProbe frames, so that
@@ -180,9 +179,8 @@ TestMethod Adaptive::choose_method() const
     TestMethod best = method_;
     double best_us = costs_.has(method_) ? kSwitch * expected_us(method_) : 0.0;
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
-        const bool half_known =
-            costs_.rounds_measured(method) > 0 && costs_.least_known(method).tests > 0;
-        if (!costs_.has(method) || (costs_.has(method_) && (method == method_ || half_known))) {
+        if (!costs_.has(method) ||
+            (costs_.has(method_) && (method == method_ || costs_.half_known(method)))) {
             continue;
         }
         const double us = expected_us(method);
@@ -320,8 +318,7 @@ bool Adaptive::reads_are_dear() const
 // decided by it, unless it would have to be wrong by far.
 bool Adaptive::guessing() const
 {
-    return method_ == TestMethod::pyramid && costs_.rounds_measured(method_) > 0 &&
-           costs_.least_known(method_).tests > 0 && !reads_are_dear();
+    return method_ == TestMethod::pyramid && costs_.half_known(method_) && !reads_are_dear();
 }
 
 // Is it worth a look at how long reading takes?

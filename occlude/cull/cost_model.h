@@ -105,6 +105,12 @@ public:
         return methods_[index(method)].small_round_us.count();
     }
 
+    /// Something of it was measured, but not all.
+    bool half_known(TestMethod method) const
+    {
+        return rounds_measured(method) > 0 && least_known(method).tests > 0;
+    }
+
 private:
     struct Method {
         bool available = false;

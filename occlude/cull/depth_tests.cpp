@@ -2,12 +2,8 @@
 
 #include <occlude/cull/cull_frame.h>
 
-#include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
-
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace occlude {
 
@@ -50,21 +46,13 @@ bool DepthTests::closer(const Aabb& box, const ScreenBounds& bounds, uint32_t mo
 // a matter of rounding.
 static constexpr float kWorstCondition = 1000.0f;
 
-static bool invertible(const glm::mat4& map, float inverse_stretch)
-{
-    const glm::mat3 linear{map};
-    const float squared = glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) +
-                          glm::dot(linear[2], linear[2]);
-    const float condition = std::sqrt(squared) * inverse_stretch;
-    return condition > 0.0f && condition < kWorstCondition; // neither for NaN
-}
-
 bool DepthTests::hides(const View& view, const ItemShapes::Placed& placed,
                        uint32_t most_texels) const
 {
     const glm::mat4& map = placed.world_from_shape;
     const float shrink = inverse_stretch(map);
-    if (!known_ || !invertible(map, shrink)) {
+    const float condition = stretch(map) * shrink;
+    if (!known_ || !(condition > 0.0f && condition < kWorstCondition)) { // neither for NaN
         return false;
     }
     const Inflation inflation = view.inflation().in(map, shrink);

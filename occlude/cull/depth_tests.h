@@ -45,6 +45,7 @@ public:
 
     /// Allocates what read() needs, if it has not yet.
     void make_room(const View& view) { pyramid_.resize(view.size_px()); }
+
     /// Has everything drawn that is queued, and reads its depth back. False, and nothing else is
     /// known than before, if nothing was drawn or the device cannot read.
     bool read(CullFrame& frame);

@@ -233,13 +233,12 @@ const ScreenBox& LazyGrid::faces()
     return *faces_;
 }
 
-// True if nothing of the box in `part` of the cell can be seen, as far as the cell knows: an old zfar
-// is still an upper bound.
-bool LazyGrid::is_behind(const OcclusionGrid::Cell& cell, const PixelRect& part, float depth)
+// True if nothing of the box in `part` of the cell can be seen, by what its faces and the cell tell.
+bool LazyGrid::faces_are_behind(const OcclusionGrid::Cell& cell, const PixelRect& part)
 {
-    return depth > cell.zfar || (tested_ != nullptr && faces().beyond(cell.zfar, {part.x, part.y},
-                                                                      {part.x + part.width - 1,
-                                                                       part.y + part.height - 1}));
+    return tested_ != nullptr &&
+           faces().beyond(cell.zfar, {part.x, part.y},
+                          {part.x + part.width - 1, part.y + part.height - 1});
 }
 
 // Sec. 6: so little was drawn into the cell that it is not worth asking.
@@ -265,8 +264,11 @@ bool LazyGrid::internal_cell_is_free_without_pixel_query(const CellRange& intern
     for (int y = internal.begin.y; y < internal.end.y; ++y) {
         for (int x = internal.begin.x; x < internal.end.x; ++x) {
             const OcclusionGrid::Cell& cell = grid_.cell({x, y});
+            if (depth > cell.zfar) {
+                continue; // an old zfar is still an upper bound
+            }
             const PixelRect pixels = grid_.pixels({x, y});
-            if (is_behind(cell, pixels, depth)) {
+            if (faces_are_behind(cell, pixels)) {
                 continue;
             }
             const bool free = depth <= cell.known_free && (cell.untouched || !pixels_tell_more);
@@ -287,8 +289,11 @@ bool LazyGrid::border_cell_is_free_without_pixel_query(const CellRange& touched,
     for (int y = touched.begin.y; y < touched.end.y; ++y) {
         for (int x = touched.begin.x; x < touched.end.x; ++x) {
             const OcclusionGrid::Cell& cell = grid_.cell({x, y});
+            if (internal.contains({x, y}) || depth > cell.zfar) {
+                continue;
+            }
             const PixelRect part = intersection(grid_.pixels({x, y}), rect);
-            if (internal.contains({x, y}) || is_behind(cell, part, depth)) {
+            if (faces_are_behind(cell, part)) {
                 continue;
             }
             if (cell.untouched || is_improbable(cell)) {
@@ -321,9 +326,9 @@ LazyGrid::Verdict LazyGrid::verdict_without_pixels(const Entry& entry)
     if (!entry.bounds.valid) {
         return Verdict::visible;
     }
-    const Node& node = hierarchy().node(entry.node);
-    const bool has_items = hierarchy().is_leaf(entry.node) || node.own_items > 0;
-    tested_ = options_.bounds == Bounds::faces && has_items ? &node.box : nullptr;
+    tested_ = options_.bounds == Bounds::faces && has_items(entry.node)
+                  ? &hierarchy().node(entry.node).box
+                  : nullptr;
     faces_.reset();
     const float depth = depth_to_beat(entry.bounds);
     const PixelRect& rect = entry.bounds.rect;
@@ -440,14 +445,13 @@ void LazyGrid::handle(CullFrame& frame, const Entry& entry, Verdict verdict)
         frame.decide(entry.node, Decision::hidden);
         return;
     }
-    const Node& node = hierarchy().node(entry.node);
-    const bool leaf = hierarchy().is_leaf(entry.node);
-    if (!leaf) {
+    if (!hierarchy().is_leaf(entry.node)) {
+        const Node& node = hierarchy().node(entry.node);
         for (uint32_t i = 0; i < node.child_count; ++i) {
             insert(frame, NodeId{node.first_child.value + i}, entry.mask);
         }
     }
-    if (leaf || node.own_items > 0) {
+    if (has_items(entry.node)) {
         if (options_.traversal == Traversal::two_lists) {
             push(draw_list_, entry, by_farthest_depth);
         } else {

@@ -126,6 +126,10 @@ private:
     void reset_state() override {}
 
     // --- the traversal ---
+    bool has_items(NodeId node) const ///< that are drawn where its box is seen
+    {
+        return hierarchy().is_leaf(node) || hierarchy().node(node).own_items > 0;
+    }
     void insert(CullFrame& frame, NodeId node, PlaneMask mask);
     bool draw_comes_before(std::span<const Entry> tests) const;
     void test(CullFrame& frame, const Entry& entry);
@@ -135,7 +139,7 @@ private:
 
     // --- the occlusion test ---
     float depth_to_beat(const ScreenBounds& bounds) const;
-    bool is_behind(const OcclusionGrid::Cell& cell, const PixelRect& part, float depth);
+    bool faces_are_behind(const OcclusionGrid::Cell& cell, const PixelRect& part);
     const ScreenBox& faces();
     bool is_improbable(const OcclusionGrid::Cell& cell) const;
     Verdict verdict_without_pixels(const Entry& entry);

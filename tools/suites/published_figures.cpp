@@ -359,16 +359,14 @@ std::span<const Paper> papers()
         Paper{"DYN06", "V. Kovalcik, P. Tobola: Fast Rendering of Complex Dynamic Scenes, 2006",
               "Theirs: Sempron 3000+, Radeon 9500. VFC is `frustum`, Simple `stop_and_wait`, Full "
               "`two_level`, all on the tree `two_level` over exactly cut meshes."},
-        Paper{
-            "LOG01",
-            "H. Hey, R. F. Tobler, W. Purgathofer: Real-Time Occlusion Culling with a Lazy "
-            "Occlusion Grid, 2001",
-            "Theirs: Athlon at 900 MHz, GeForce2 GTS. None is `frustum`, lazy and busy are "
-            "`lazy_grid` with `update=lazy` and `update=busy`; cells of 32 x 32 pixels. Theirs: "
-            "boxes "
-            "of at most 1,500 triangles; here of 128, tested by their faces, up to 96 of them wait "
-            "for pixels at once, and a read-back takes whole rows of cells (`bounds`, "
-            "`tests_at_once`, `join`)."},
+        Paper{"LOG01",
+              "H. Hey, R. F. Tobler, W. Purgathofer: Real-Time Occlusion Culling with a Lazy "
+              "Occlusion Grid, 2001",
+              "Theirs: Athlon at 900 MHz, GeForce2 GTS. None is `frustum`, lazy and busy are "
+              "`lazy_grid` with `update=lazy` and `update=busy`; cells of 32 x 32 pixels. Theirs: "
+              "boxes of at most 1,500 triangles; here of 128, tested by their faces, up to 96 of "
+              "them wait for pixels at once, and a read-back takes whole rows of cells (`bounds`, "
+              "`tests_at_once`, `join`)."},
         Paper{"GEMS29", "D. Sekulic: Efficient Occlusion Culling, GPU Gems, chapter 29, 2004",
               "Rules of thumb for the hardware of 2004. One test per object is `batch_and_wait`, "
               "the answers of the last frame are `next_frame`."},
