@@ -9,20 +9,24 @@ namespace {
 
 // While a frame reveals things, it reads depth again after drawing for so many read-backs, and after so
 // many times more where that found little hidden.
-constexpr double kFirstReadAfter = 2.0;
+constexpr double kFirstReadAfter = 4.0;
 constexpr double kNextReadAfter = 2.0;
 
 // In the middle of a frame a read-back costs more than it does at rest: the device stands still
 // meanwhile. It should hide so many times its cost.
 constexpr double kWellWorth = 4.0;
 
-// What reading depth costs is measured in one frame only if it is so many times what was thought.
+// What reading depth costs is known from two frames if it is so many times what was thought.
 constexpr double kFarMore = 4.0;
+constexpr size_t kNotByChance = 2;
 
 // A probe that takes more than this part of a frame comes at most once in kRareProbe frames, so that
-// it stays out of the 99th percentile.
-constexpr double kNoticeable = 0.04;
+// it stays out of the 99th percentile; in kSoonProbe frames if what is in the frustum has become so many
+// times more or less since the last one.
+constexpr double kNoticeable = 0.05;
 constexpr uint32_t kRareProbe = 128;
+constexpr uint32_t kSoonProbe = 16;
+constexpr double kOtherView = 1.25;
 
 // By tests on the device a probe takes many of them: not more often than this.
 constexpr double kFramesPerDeviceProbe = 16.0;
@@ -159,6 +163,14 @@ double Adaptive::expected_us(TestMethod method) const
            std::max(tests_last_frame_, kFewTests) * cost.us_per_test;
 }
 
+// Will measure_methods tell what it costs, or has it begun to?
+bool Adaptive::unknown(TestMethod method) const
+{
+    const bool will_be_measured = clock_ && method_ == TestMethod::pyramid && !reads_are_dear();
+    return costs_.least_known(method).tests > 0 &&
+           (will_be_measured || costs_.rounds_measured(method) > 0);
+}
+
 TestMethod Adaptive::choose_method() const
 {
     switch (options_.method) {
@@ -180,7 +192,7 @@ TestMethod Adaptive::choose_method() const
     double best_us = costs_.has(method_) ? kSwitch * expected_us(method_) : 0.0;
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
         if (!costs_.has(method) ||
-            (costs_.has(method_) && (method == method_ || costs_.half_known(method)))) {
+            (costs_.has(method_) && (method == method_ || unknown(method)))) {
             continue;
         }
         const double us = expected_us(method);
@@ -236,18 +248,23 @@ void Adaptive::draw_all(CullFrame& frame)
                                     : FramePlan::Reason::no_tests)
                              : FramePlan::Reason::saves_too_little;
     plan.drawn_us = static_cast<float>(drawn_us);
-    if (can_test_ && probe_due(drawn_us)) {
+    if (can_test_ && probe_due(drawn)) {
         probe(frame);
     }
 }
 
-bool Adaptive::probe_due(double frame_us) const
+bool Adaptive::probe_due(double drawn_units) const
 {
+    const double frame_us = costs_.whole_us(drawn_units);
     const double probe_us = std::max(costs_.round(method_).us_per_round, last_probe_us_);
     const double interval = probe_us / std::max(frame_us * double{options_.probe_share}, 1e-6);
-    const bool noticeable = probe_us > kNoticeable * frame_us;
-    const double least = method_ == TestMethod::pyramid ? 1.0 : kFramesPerDeviceProbe;
-    return frames_since_probe_ >= std::max(interval, noticeable ? double{kRareProbe} : least);
+    const bool other_view =
+        std::max(drawn_units, units_at_look_) >= kOtherView * std::min(drawn_units, units_at_look_);
+    const double at_least = probe_us > kNoticeable * frame_us
+                                ? (other_view ? kSoonProbe : kRareProbe)
+                            : method_ == TestMethod::pyramid ? 1.0
+                                                             : kFramesPerDeviceProbe;
+    return frames_since_probe_ >= std::max(interval, at_least);
 }
 
 // Culling pays if what the tests hid costs more to draw than they did; decided for the next frame,
@@ -272,6 +289,7 @@ void Adaptive::judge(CullFrame& frame)
     if (options_.method == AdaptiveOptions::Method::automatic && !pays) {
         stop_culling();
         frames_since_probe_ = depth_.known() || method_ != TestMethod::pyramid ? 0 : kRareProbe;
+        units_at_look_ = costs_.units(frame.counters()) + hidden_units_;
     }
 }
 
@@ -309,7 +327,7 @@ bool Adaptive::read_depth(CullFrame& frame)
 
 bool Adaptive::reads_are_dear() const
 {
-    return costs_.rounds_measured(TestMethod::pyramid) > 0 &&
+    return costs_.rounds_measured(TestMethod::pyramid) >= kNotByChance &&
            costs_.round(TestMethod::pyramid).us_per_round >
                kFarMore * costs_.hint(TestMethod::pyramid).us_per_round;
 }
@@ -389,7 +407,7 @@ void Adaptive::by_pyramid(CullFrame& frame)
     if (!depth_.known()) {
         return;
     }
-    const size_t tests = candidates_.size() + expected_.size();
+    const size_t tests = candidates_.size() + drawn_before_read_;
     if (clock_ && tests >= kLeastTests) {
         costs_.tested(method_, tests + 1, tests + 1,
                       costs_.round(method_).us_per_round + testing_us);
@@ -405,6 +423,7 @@ void Adaptive::by_pyramid(CullFrame& frame)
 void Adaptive::probe(CullFrame& frame)
 {
     frames_since_probe_ = 0;
+    units_at_look_ = costs_.units(frame.counters());
     frame.plan().reason = FramePlan::Reason::probe;
     cut_.reset(hierarchy());
     if (method_ == TestMethod::pyramid) {
@@ -484,7 +503,7 @@ void Adaptive::cull_frame(CullFrame& frame)
     }
     finish_cut(frame, options_.seed);
     judge(frame);
-    if (!culling_ && method_ == TestMethod::pyramid && probe_due(double{frame.plan().drawn_us})) {
+    if (!culling_ && method_ == TestMethod::pyramid && probe_due(costs_.units(frame.counters()))) {
         // Too little was drawn to be worth a look meanwhile: is anything hidden at all?
         probe(frame);
     }

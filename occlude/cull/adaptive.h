@@ -93,12 +93,13 @@ private:
 
     // --- the plan ---
     void start_frame(CullFrame& frame);
+    bool unknown(TestMethod method) const;
     TestMethod choose_method() const;
     double expected_us(TestMethod method) const;
     void judge(CullFrame& frame);
     void stop_culling();
     void draw_all(CullFrame& frame);
-    bool probe_due(double frame_us) const;
+    bool probe_due(double drawn_units) const;
     void probe(CullFrame& frame);
     void probe_by_pyramid(CullFrame& frame);
 
@@ -192,6 +193,7 @@ private:
     bool first_look_ = true;
     uint32_t first_probes_ = 0;
     uint32_t frames_since_probe_ = 0xffff;
+    double units_at_look_ = 0.0;   ///< in the frustum, when tests were last made
     double saved_per_spent_ = 0.0; ///< smoothed
     double tests_last_frame_ = 0.0;
     double last_probe_us_ = 0.0;

@@ -70,7 +70,7 @@ void Adaptive::retest_by_device(CullFrame& frame)
     batch_.clear();
     coverage_.start_frame(frame.view().size_px());
     const size_t first = late_.size();
-    for (Candidate& candidate : expected_) {
+    for (Candidate& candidate : drawn_) {
         if (opens(candidate.entry)) {
             keep_parts_visible(frame, candidate);
             continue;

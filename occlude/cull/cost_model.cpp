@@ -38,7 +38,7 @@ double RecentMedian::value() const
 {
     std::array<double, kSamples> samples = samples_;
     const auto count = static_cast<ptrdiff_t>(std::min(count_, kSamples));
-    const auto median = samples.begin() + count / 2;
+    const auto median = samples.begin() + (count - 1) / 2;
     std::nth_element(samples.begin(), median, samples.begin() + count);
     return *median;
 }
@@ -65,6 +65,23 @@ void CostModel::take_hints(const DeviceCaps& caps)
     pyramid.hint = kPyramidHint;
 }
 
+size_t CostModel::size_of(double units)
+{
+    const int size = std::max(std::ilogb(std::max(units, 1.0)), 0);
+    return std::min(static_cast<size_t>(size), kSizes - 1);
+}
+
+double CostModel::whole_us(double units) const
+{
+    double us = us_per_unit_ * units;
+    for (size_t size = 0; size <= size_of(units); ++size) {
+        if (!drawn_[size].us.empty()) {
+            us = std::max(us, drawn_[size].us.value());
+        }
+    }
+    return us;
+}
+
 // The slope between the least and the most that was drawn. The largest frame's whole cost is a bound
 // on it, as no frame costs less than its pixels.
 void CostModel::drew(double units, double us)
@@ -72,8 +89,7 @@ void CostModel::drew(double units, double us)
     if (units < kLeastSample) {
         return;
     }
-    const auto bin = static_cast<size_t>(std::max(std::ilogb(std::max(units, 1.0)), 0));
-    Sample& sample = drawn_[std::min(bin, drawn_.size() - 1)];
+    Sample& sample = drawn_[size_of(units)];
     sample.units.add(units);
     sample.us.add(us);
 

@@ -28,7 +28,7 @@
 
 namespace occlude {
 
-/// The median of the last few samples: one disturbed sample changes nothing.
+/// The median of the last few samples, the lower one of two: one disturbed sample changes nothing.
 class RecentMedian {
 public:
     void add(double sample);
@@ -81,6 +81,8 @@ public:
 
     /// `units` were drawn in `us`, from idle to idle, pixels and all. A little says nothing and is left out.
     void drew(double units, double us);
+    /// What drawing so much takes, pixels and all: by the slope, or what so much or less has taken.
+    double whole_us(double units) const;
 
     // --- testing ---
 
@@ -129,7 +131,9 @@ private:
     std::array<Method, 4> methods_{};
     double triangles_per_item_ = 0.0;
     double us_per_unit_ = 0.0;
-    std::array<Sample, 40> drawn_{}; ///< by the binary logarithm of the units
+    static constexpr size_t kSizes = 40;
+    static size_t size_of(double units);
+    std::array<Sample, kSizes> drawn_{}; ///< by the binary logarithm of the units
     float hint_us_per_triangle_ = -1.0f;
     float hint_us_per_item_ = -1.0f;
 };

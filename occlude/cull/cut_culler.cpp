@@ -108,7 +108,7 @@ void CutCuller::keep_outside(Entry entry)
 
 void CutCuller::sort_out(CullFrame& frame)
 {
-    expected_.clear();
+    drawn_.clear();
     candidates_.clear();
     tests_ = 0.0;
     if (cut_.empty()) {
@@ -125,7 +125,7 @@ void CutCuller::sort_out(CullFrame& frame)
             // By their middle: the nearest point of what is large, and around the eye, says nothing.
             const glm::vec3 middle = box_of(entry).center();
             candidate.distance = frame.view().distance_key({middle, middle});
-            expected_.push_back(candidate);
+            drawn_.push_back(candidate);
         } else {
             entry.state = entry.state == State::visible ? State::hidden : entry.state;
             candidates_.push_back(candidate);
@@ -135,11 +135,12 @@ void CutCuller::sort_out(CullFrame& frame)
 
 void CutCuller::draw_expected(CullFrame& frame)
 {
-    std::sort(expected_.begin(), expected_.end(),
+    std::sort(drawn_.begin(), drawn_.end(),
               [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
-    for (const Candidate& candidate : expected_) {
+    for (const Candidate& candidate : drawn_) {
         draw(frame, candidate, Decision::drawn_tested);
     }
+    drawn_before_read_ = drawn_.size();
 }
 
 // Of an item, or of the only one of a node. Null if there is none, or nobody asks for it.
@@ -200,13 +201,13 @@ void CutCuller::test(const CullFrame& frame, std::span<const Candidate> candidat
 
 void CutCuller::project_all(CullFrame& frame)
 {
-    for (Tests* tests : {&candidate_tests_, &expected_tests_}) {
+    for (Tests* tests : {&candidate_tests_, &drawn_tests_}) {
         tests->boxes.clear();
         tests->most_texels.clear();
         tests->shapes.clear();
     }
     prepare(frame, candidates_, candidate_tests_);
-    prepare(frame, expected_, expected_tests_);
+    prepare(frame, drawn_, drawn_tests_);
 }
 
 // Leaves on the stack what is not hidden, the nearest on top.
@@ -235,11 +236,7 @@ void CutCuller::open(CullFrame& frame, const Candidate& candidate, bool tested)
         return;
     }
     draw(frame, candidate, tested ? Decision::drawn_revealed : Decision::drawn);
-    if (retest_revealed_) {
-        expected_.push_back(candidate);
-    } else {
-        keep_visible(candidate.entry);
-    }
+    drawn_.push_back(candidate);
 }
 
 // Walks what is not known to be hidden near to far.
@@ -258,6 +255,7 @@ void CutCuller::reveal(CullFrame& frame)
             continue;
         }
         if (read_again(frame)) {
+            drawn_before_read_ = drawn_.size();
             tested_once = false;
             tested = false;
         }
@@ -277,11 +275,14 @@ void CutCuller::reveal(CullFrame& frame)
 
 void CutCuller::retest(CullFrame& frame)
 {
-    prepare(frame, expected_, expected_tests_);
-    test(frame, expected_, expected_tests_);
-    for (size_t i = 0; i < expected_.size(); ++i) {
-        Entry& entry = expected_[i].entry;
-        if (expected_tests_.hidden[i] != 0) {
+    const std::span tested = std::span{drawn_}.first(drawn_before_read_);
+    prepare(frame, tested, drawn_tests_);
+    test(frame, tested, drawn_tests_);
+    for (size_t i = 0; i < drawn_.size(); ++i) {
+        Entry& entry = drawn_[i].entry;
+        if (i >= tested.size()) {
+            keep_visible(entry);
+        } else if (drawn_tests_.hidden[i] != 0) {
             keep_hidden(frame, entry, Decision::undecided);
         } else {
             entry.tested = frame.stamp();

@@ -7,7 +7,7 @@
 //                                                         --> visible: draw, or     reveal
 //                                                             test what it consists of
 //                                    outside      --> kept
-//    at the end: what was drawn first is tested for the next frame                  retest
+//    at the end: what was drawn is tested by the depth read last, for the next frame   retest
 //                quiet siblings become their parent                                 finish_cut
 //
 // Guarantees  exact: every item in the frustum is drawn, or lies in an entry that a test in this very
@@ -136,8 +136,8 @@ protected:
     HierarchyCut cut_;
     DepthTests depth_;
     bool all_drawn_ = false;            ///< everything is drawn already, and tests decide nothing
-    bool retest_revealed_ = false;      ///< what is revealed is tested again at the end as well
-    std::vector<Candidate> expected_;   ///< visible in the last frame, in the frustum
+    std::vector<Candidate> drawn_;      ///< visible in the last frame, then what this one reveals
+    size_t drawn_before_read_ = 0;      ///< so many of them, before depth was last read
     std::vector<Candidate> candidates_; ///< hidden or unknown, in the frustum
     std::vector<Candidate> stack_;
     double tests_ = 0.0; ///< one by one, in reveal and merges
@@ -169,7 +169,7 @@ private:
     };
     bool use_shapes_;
     std::vector<Part> parts_;
-    Tests expected_tests_;
+    Tests drawn_tests_;
     Tests candidate_tests_;
 };
 

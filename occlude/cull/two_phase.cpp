@@ -19,7 +19,6 @@ TwoPhase::TwoPhase(const Hierarchy& hierarchy, TwoPhaseOptions options)
     : CutCuller(hierarchy, DepthTests{options.refine}, options.shapes)
     , options_(options)
 {
-    retest_revealed_ = options_.final_depth;
 }
 
 bool TwoPhase::opens(NodeId node) const
@@ -51,8 +50,8 @@ void TwoPhase::cull_frame(CullFrame& frame)
     test_candidates(frame);
     reveal(frame);
     frame.flush_draws();
-    if (options_.final_depth) {
-        depth_.read(frame);
+    if (options_.final_depth && depth_.read(frame)) {
+        drawn_before_read_ = drawn_.size();
     }
     retest(frame);
     finish_cut(frame, kSeed);

@@ -38,7 +38,7 @@ struct TwoPhaseOptions {
     /// more is tested. 0: never.
     uint64_t reread_triangles = 16384;
     /// Choose the visible set of the next frame by the depth of the finished frame, read back once
-    /// more, instead of that of phase 1.
+    /// more, instead of what was read last.
     bool final_depth = false;
     /// Test the shapes of items (item_shapes.h) where their boxes are not hidden.
     bool shapes = true;
