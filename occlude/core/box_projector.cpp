@@ -19,6 +19,7 @@
 #include <glm/common.hpp>
 #include <glm/mat4x4.hpp>
 
+#include <algorithm>
 #include <array>
 
 namespace occlude {
@@ -124,13 +125,6 @@ static inline Corners all_corners(const std::array<glm::vec4, 4>& column, const 
     return corners;
 }
 
-// The next whole number up; as std::ceil, in one instruction more than a conversion takes anywhere.
-static inline int ceiling(float v)
-{
-    const auto whole = static_cast<int>(v);
-    return whole + (static_cast<float>(whole) < v ? 1 : 0);
-}
-
 void BoxProjector::project(const Aabb& box, ScreenBounds& bounds) const
 {
     if (!usable || !box.is_bounded()) {
@@ -160,13 +154,10 @@ void BoxProjector::project(const Aabb& box, ScreenBounds& bounds) const
     const Float4 from = min4(max4(c.nearest - error - margins, zero), end);
     const Float4 to = min4(max4(c.farthest + error + margins, zero), end);
 
-    const auto first_x = static_cast<int>(from[0]);
-    const auto first_y = static_cast<int>(from[1]);
-    const int end_x = ceiling(to[0]);
-    const int end_y = ceiling(to[1]);
-    bounds.rect = first_x < end_x && first_y < end_y
-                      ? PixelRect{first_x, first_y, end_x - first_x, end_y - first_y}
-                      : PixelRect{};
+    const Int4 first = truncate4(from);
+    const Int4 sides = ceil4(to) - first;
+    const bool touches = sides[0] > 0 && sides[1] > 0;
+    bounds.rect = touches ? PixelRect{first[0], first[1], sides[0], sides[1]} : PixelRect{};
     bounds.near_depth = from[2];
     bounds.far_depth = to[2];
     bounds.valid = true;
@@ -200,12 +191,19 @@ static void project_by(const detail::BoxProjector& projector, std::span<const Aa
                        std::span<ScreenBounds> bounds, Kernel kernel)
 {
     OCCLUDE_ASSERT(boxes.size() == bounds.size(), "project_boxes needs one result per box");
-    if (kernel == Kernel::simd) {
-        detail::project_boxes_simd(projector, boxes, bounds);
+    if (kernel == Kernel::scalar) {
+        for (size_t i = 0; i < boxes.size(); ++i) {
+            projector.project(boxes[i], bounds[i]);
+        }
         return;
     }
-    for (size_t i = 0; i < boxes.size(); ++i) {
-        projector.project(boxes[i], bounds[i]);
+    detail::BoundsBlock block;
+    for (size_t first = 0; first < boxes.size(); first += block.kBoxes) {
+        const size_t count = std::min(block.kBoxes, boxes.size() - first);
+        detail::project_boxes_simd(projector, boxes.subspan(first, count), block);
+        for (size_t i = 0; i < count; ++i) {
+            bounds[first + i] = block[i];
+        }
     }
 }
 

@@ -16,10 +16,12 @@ namespace occlude::HWY_NAMESPACE {
 #if HWY_TARGET == HWY_SCALAR // a processor without vectors
 
 void project_boxes(const detail::BoxProjector& p, const Aabb* boxes, size_t count,
-                   ScreenBounds* bounds)
+                   detail::BoundsBlock& bounds)
 {
     for (size_t i = 0; i < count; ++i) {
-        p.project(boxes[i], bounds[i]);
+        ScreenBounds b;
+        p.project(boxes[i], b);
+        bounds.set(i, b);
     }
 }
 
@@ -171,27 +173,9 @@ HWY_INLINE Corners all_corners(const detail::BoxProjector& p, const V3& low, con
     return corners;
 }
 
-// The results of one vector of boxes on their way to ScreenBounds.
-struct Lanes {
-    HWY_ALIGN std::array<int32_t, 4 * kMaxLanes> rects; // x, y, width, height in turn
-    HWY_ALIGN std::array<float, kMaxLanes> near_depth;
-    HWY_ALIGN std::array<float, kMaxLanes> far_depth;
-    HWY_ALIGN std::array<int32_t, kMaxLanes> valid;
-
-    HWY_INLINE void store(ScreenBounds* bounds, size_t count) const
-    {
-        for (size_t i = 0; i < count; ++i) {
-            bounds[i].rect = {rects[4 * i], rects[4 * i + 1], rects[4 * i + 2], rects[4 * i + 3]};
-            bounds[i].near_depth = near_depth[i];
-            bounds[i].far_depth = far_depth[i];
-            bounds[i].valid = valid[i] != 0;
-        }
-    }
-};
-
 // Writes the fields of `known` lanes; others are `empty` or bounded by nothing.
 HWY_INLINE void write(const detail::BoxProjector& p, const V3& nearest, const V3& farthest, M known,
-                      M empty, Lanes& out)
+                      M empty, detail::BoundsBlock& out, size_t at)
 {
     const V zero = hn::Zero(kF);
     const V one = hn::Set(kF, 1.0f);
@@ -215,20 +199,22 @@ HWY_INLINE void write(const detail::BoxProjector& p, const V3& nearest, const V3
     const auto pixels = hn::And(known_i, touches);
     const auto all_x = hn::IfThenElseZero(lost_i, hn::Set(kI, p.everywhere.rect.width));
     const auto all_y = hn::IfThenElseZero(lost_i, hn::Set(kI, p.everywhere.rect.height));
-    hn::StoreInterleaved4(hn::IfThenElseZero(pixels, first_x), hn::IfThenElseZero(pixels, first_y),
-                          hn::IfThenElse(pixels, size_x, all_x),
-                          hn::IfThenElse(pixels, size_y, all_y), kI, out.rects.data());
+    hn::Store(hn::IfThenElseZero(pixels, first_x), kI, &out.x[at]);
+    hn::Store(hn::IfThenElseZero(pixels, first_y), kI, &out.y[at]);
+    hn::Store(hn::IfThenElse(pixels, size_x, all_x), kI, &out.width[at]);
+    hn::Store(hn::IfThenElse(pixels, size_y, all_y), kI, &out.height[at]);
 
     const V margin = hn::Set(kF, ScreenBounds::kDepthMargin);
     const V near_depth = clamp(hn::Sub(nearest.z, margin), zero, one);
     const V far_depth = clamp(hn::Add(farthest.z, margin), zero, one);
     hn::Store(hn::IfThenElse(known, near_depth, hn::IfThenElseZero(empty, one)), kF,
-              out.near_depth.data());
-    hn::Store(hn::IfThenElse(known, far_depth, one), kF, out.far_depth.data());
-    hn::Store(hn::IfThenZeroElse(lost_i, hn::Set(kI, 1)), kI, out.valid.data());
+              &out.near_depth[at]);
+    hn::Store(hn::IfThenElse(known, far_depth, one), kF, &out.far_depth[at]);
+    hn::Store(hn::IfThenZeroElse(lost_i, hn::Set(kI, 1)), kI, &out.valid[at]);
 }
 
-HWY_INLINE void project_vector(const detail::BoxProjector& p, const Aabb* boxes, Lanes& out)
+HWY_INLINE void project_vector(const detail::BoxProjector& p, const Aabb* boxes,
+                               detail::BoundsBlock& out, size_t at)
 {
     const Boxes box = load(boxes);
     M empty, bounded;
@@ -263,24 +249,22 @@ HWY_INLINE void project_vector(const detail::BoxProjector& p, const Aabb* boxes,
                error(s.z, c.nearest.z, c.farthest.z)};
     write(p, {hn::Sub(c.nearest.x, e.x), hn::Sub(c.nearest.y, e.y), hn::Sub(c.nearest.z, e.z)},
           {hn::Add(c.farthest.x, e.x), hn::Add(c.farthest.y, e.y), hn::Add(c.farthest.z, e.z)},
-          known, empty, out);
+          known, empty, out, at);
 }
 
 void project_boxes(const detail::BoxProjector& p, const Aabb* boxes, size_t count,
-                   ScreenBounds* bounds)
+                   detail::BoundsBlock& bounds)
 {
+    static_assert(detail::BoundsBlock::kBoxes % kMaxLanes == 0);
     const size_t lanes = hn::Lanes(kF);
-    Lanes out;
     size_t i = 0;
     for (; i + lanes <= count; i += lanes) {
-        project_vector(p, boxes + i, out);
-        out.store(bounds + i, lanes);
+        project_vector(p, boxes + i, bounds, i);
     }
     if (i < count) {
         std::array<Aabb, kMaxLanes> rest; // the others stay empty
         std::copy(boxes + i, boxes + count, rest.begin());
-        project_vector(p, rest.data(), out);
-        out.store(bounds + i, count - i);
+        project_vector(p, rest.data(), bounds, i);
     }
 }
 
@@ -294,9 +278,9 @@ namespace occlude {
 HWY_EXPORT(project_boxes);
 
 void detail::project_boxes_simd(const BoxProjector& p, std::span<const Aabb> boxes,
-                                std::span<ScreenBounds> bounds)
+                                BoundsBlock& bounds)
 {
-    HWY_DYNAMIC_DISPATCH(project_boxes)(p, boxes.data(), boxes.size(), bounds.data());
+    HWY_DYNAMIC_DISPATCH(project_boxes)(p, boxes.data(), boxes.size(), bounds);
 }
 
 } // namespace occlude

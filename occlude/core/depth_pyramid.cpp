@@ -1,6 +1,7 @@
 #include <occlude/core/depth_pyramid.h>
 
 #include <occlude/core/assert.h>
+#include <occlude/core/detail/float4.h>
 #include <occlude/core/detail/pyramid_kernels.h>
 
 #include <glm/common.hpp>
@@ -104,47 +105,64 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRang
     return true;
 }
 
-// The farthest of at most kSpan x kSpan texels. Without a branch: the last row and the last column
-// are looked at again where there are less.
-float DepthPyramid::farthest_of(int level, const detail::TexelRange& texels) const
+// Without a branch: the last row is looked at again where there are less.
+static detail::Float4 farthest_of_columns(const detail::PyramidLevel& level, const float* texels,
+                                          const detail::TexelRange& range)
 {
-    const detail::PyramidLevel& l = levels_[static_cast<size_t>(level)];
-    const glm::ivec2 last = texels.high - texels.low;
-    const float* row =
-        &texels_[l.first + static_cast<size_t>(texels.low.y) * static_cast<size_t>(l.size.x) +
-                 static_cast<size_t>(texels.low.x)];
-    float farthest = 0.0f;
-    for (int y = 0; y < detail::kSpan; ++y) {
-        for (int x = 0; x < detail::kSpan; ++x) {
-            farthest = farther(farthest, row[std::min(x, last.x)]);
-        }
-        row += y < last.y ? l.size.x : 0;
+    const int rows = range.high.y - range.low.y;
+    const float* row = texels + level.first +
+                       static_cast<size_t>(range.low.y) * static_cast<size_t>(level.size.x) +
+                       static_cast<size_t>(range.low.x);
+    detail::Float4 columns = detail::load4(row);
+    for (int y = 1; y < detail::kSpan; ++y) {
+        row += y <= rows ? level.size.x : 0;
+        columns = detail::max4(columns, detail::load4(row));
     }
-    return farthest;
+    return columns;
+}
+
+bool detail::all_nearer(const PyramidLevel& level, const float* texels, const TexelRange& range,
+                        float nearest)
+{
+    const Float4 columns = farthest_of_columns(level, texels, range);
+    const uint32_t inside = (2u << (range.high.x - range.low.x)) - 1;
+    return (inside & ~bits_of(columns < splat(nearest))) == 0;
+}
+
+bool detail::coarse_hides(std::span<const PyramidLevel> levels, const float* texels,
+                          const PixelRect& rect, float nearest)
+{
+    TexelRange pixels;
+    if (!clip(rect, levels[0].size, pixels)) {
+        return true;
+    }
+    const int n = coarse_level(pixels);
+    return all_nearer(levels[static_cast<size_t>(n)], texels, {pixels.low >> n, pixels.high >> n},
+                      nearest);
 }
 
 bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refinement) const
 {
-    detail::TexelRange pixels;
-    if (!detail::clip(rect, size_px(), pixels)) {
-        return true;
-    }
-    const int level = detail::coarse_level(pixels);
-    const detail::TexelRange texels{pixels.low >> level, pixels.high >> level};
-    if (farthest_of(level, texels) < nearest) {
+    if (empty() || detail::coarse_hides(levels_, texels_.data(), rect, nearest)) {
         return true;
     }
     if (refinement == Refinement::none) {
         return false;
     }
-    const detail::TexelRange whole = detail::whole_texels(pixels, level, size_px());
-    return (whole.is_empty() || farthest_of(level, whole) < nearest) &&
-           border_hides(level, pixels, nearest);
+    detail::TexelRange pixels;
+    detail::clip(rect, size_px(), pixels);
+    return pixels_hide(pixels, nearest);
 }
 
-// Texel by texel of the coarse level, where those that are whole hide.
-bool DepthPyramid::border_hides(int level, const detail::TexelRange& pixels, float nearest) const
+// Where a coarse test does not hide: first those of its texels that are whole, then texel by texel.
+bool DepthPyramid::pixels_hide(const detail::TexelRange& pixels, float nearest) const
 {
+    const int level = detail::coarse_level(pixels);
+    const detail::TexelRange whole = detail::whole_texels(pixels, level, size_px());
+    if (!whole.is_empty() &&
+        !detail::all_nearer(levels_[static_cast<size_t>(level)], texels_.data(), whole, nearest)) {
+        return false;
+    }
     for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
         for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
             if (!texel_hides(level, {x, y}, pixels, nearest)) {
@@ -207,28 +225,53 @@ bool DepthPyramid::hides_within(const ScreenBox& box, const PixelRect& rect,
     return true;
 }
 
+bool DepthPyramid::by_vectors(Kernel kernel) const
+{
+    return kernel == Kernel::simd && !empty() && levels_.size() <= detail::kMostVectorLevels;
+}
+
+// Coarse tests by vectors; those that hide nothing are put aside without a branch, and looked at down
+// to pixels.
+void DepthPyramid::block_hides(const detail::BoundsBlock& block, Refinement refinement,
+                               std::span<uint8_t> hidden) const
+{
+    detail::BoundsBlock::Field<uint8_t> coarse;
+    detail::coarse_hides_simd(levels_, texels_.data(), block, hidden.size(), coarse);
+    std::copy_n(coarse.begin(), hidden.size(), hidden.begin());
+    if (refinement == Refinement::none) {
+        return;
+    }
+    detail::BoundsBlock::Field<uint8_t> open;
+    size_t open_count = 0;
+    for (size_t i = 0; i < hidden.size(); ++i) {
+        open[open_count] = static_cast<uint8_t>(i);
+        open_count += block.valid[i] != 0 && coarse[i] == 0 ? 1 : 0;
+    }
+    for (const uint8_t i : std::span{open}.first(open_count)) {
+        detail::TexelRange pixels;
+        detail::clip(block.rect(i), size_px(), pixels);
+        hidden[i] = pixels_hide(pixels, block.near_depth[i]) ? 1 : 0;
+    }
+}
+
 void DepthPyramid::hides(std::span<const ScreenBounds> bounds, Refinement refinement,
                          std::span<uint8_t> hidden, Kernel kernel) const
 {
     OCCLUDE_ASSERT(bounds.size() == hidden.size(), "DepthPyramid::hides needs one result per box");
-    if (kernel == Kernel::scalar) {
+    if (!by_vectors(kernel)) {
         for (size_t i = 0; i < bounds.size(); ++i) {
             const ScreenBounds& b = bounds[i];
             hidden[i] = b.valid && hides(b.rect, b.near_depth, refinement) ? 1 : 0;
         }
         return;
     }
-    detail::coarse_hides_simd(levels_, texels_.data(), bounds, refinement, hidden.data());
-    if (refinement == Refinement::none) {
-        return;
-    }
-    for (size_t i = 0; i < bounds.size(); ++i) {
-        if (hidden[i] == detail::kUndecided) {
-            detail::TexelRange pixels;
-            detail::clip(bounds[i].rect, size_px(), pixels);
-            hidden[i] =
-                border_hides(detail::coarse_level(pixels), pixels, bounds[i].near_depth) ? 1 : 0;
+    detail::BoundsBlock block;
+    for (size_t first = 0; first < bounds.size(); first += block.kBoxes) {
+        const size_t count = std::min(block.kBoxes, bounds.size() - first);
+        for (size_t i = 0; i < count; ++i) {
+            block.set(i, bounds[first + i]);
         }
+        block_hides(block, refinement, hidden.subspan(first, count));
     }
 }
 
@@ -240,12 +283,25 @@ void DepthPyramid::hides(const View& view, std::span<const Aabb> boxes, Refineme
         std::ranges::fill(hidden, uint8_t{0});
         return;
     }
-    std::array<ScreenBounds, 64> block; // stays in the nearest cache
-    for (size_t first = 0; first < boxes.size(); first += block.size()) {
-        const size_t count = std::min(block.size(), boxes.size() - first);
-        const std::span bounds = std::span{block}.first(count);
-        project_boxes(view, boxes.subspan(first, count), bounds, kernel);
-        hides(bounds, refinement, hidden.subspan(first, count), kernel);
+    const detail::BoxProjector projector{view, SamplePositions::anywhere};
+    if (!by_vectors(kernel)) {
+        std::array<ScreenBounds, 64>
+            some; // in two loops: a wrong guess in one costs the other nothing
+        for (size_t first = 0; first < boxes.size(); first += some.size()) {
+            const size_t count = std::min(some.size(), boxes.size() - first);
+            for (size_t i = 0; i < count; ++i) {
+                projector.project(boxes[first + i], some[i]);
+            }
+            hides(std::span{some}.first(count), refinement, hidden.subspan(first, count),
+                  Kernel::scalar);
+        }
+        return;
+    }
+    detail::BoundsBlock block;
+    for (size_t first = 0; first < boxes.size(); first += block.kBoxes) {
+        const size_t count = std::min(block.kBoxes, boxes.size() - first);
+        detail::project_boxes_simd(projector, boxes.subspan(first, count), block);
+        block_hides(block, refinement, hidden.subspan(first, count));
     }
 }
 
@@ -256,7 +312,14 @@ float DepthPyramid::farthest_bound(const PixelRect& rect) const
         return 0.0f;
     }
     const int level = detail::coarse_level(pixels);
-    return farthest_of(level, {pixels.low >> level, pixels.high >> level});
+    const detail::TexelRange texels{pixels.low >> level, pixels.high >> level};
+    const detail::Float4 columns =
+        farthest_of_columns(levels_[static_cast<size_t>(level)], texels_.data(), texels);
+    float farthest = columns[0];
+    for (int x = 1; x <= texels.high.x - texels.low.x; ++x) {
+        farthest = farther(farthest, columns[x]);
+    }
+    return farthest;
 }
 
 } // namespace occlude

@@ -34,6 +34,7 @@ struct PyramidLevel {
     size_t first; ///< of its texels, row by row from the bottom
 };
 struct TexelRange;
+struct BoundsBlock;
 } // namespace detail
 
 class DepthPyramid {
@@ -91,8 +92,10 @@ private:
         return texels_[l.first + static_cast<size_t>(y) * static_cast<size_t>(l.size.x) +
                        static_cast<size_t>(x)];
     }
-    float farthest_of(int level, const detail::TexelRange& texels) const;
-    bool border_hides(int level, const detail::TexelRange& pixels, float nearest) const;
+    bool by_vectors(Kernel kernel) const;
+    bool pixels_hide(const detail::TexelRange& pixels, float nearest) const;
+    void block_hides(const detail::BoundsBlock& block, Refinement refinement,
+                     std::span<uint8_t> hidden) const;
     bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
                      float nearest) const;
     bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,

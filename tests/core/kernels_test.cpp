@@ -188,8 +188,9 @@ TEST(Kernels, PyramidsAgreeOnEveryTargetAndWithBruteForceOverPixels)
         Rng rng(93);
         int hidden_count = 0;
         int asked = 0;
-        for (const glm::ivec2& size :
-             {glm::ivec2{1, 1}, {2, 7}, {5, 3}, {31, 65}, {64, 64}, {127, 129}, {641, 359}}) {
+        const glm::ivec2 sizes[] = {{1, 1},     {2, 7},     {5, 3},     {31, 65},  {64, 64},
+                                    {127, 129}, {641, 359}, {3, 32768}, {2, 40000}};
+        for (const glm::ivec2& size : sizes) {
             DepthPyramid pyramid = specked_pyramid(size, rng.below(1000));
             const std::span<float> depth = pyramid.resize(size); // the same size: keeps all
             std::vector<ScreenBounds> bounds(1000);
@@ -218,6 +219,42 @@ TEST(Kernels, PyramidsAgreeOnEveryTargetAndWithBruteForceOverPixels)
         }
         EXPECT_GT(hidden_count, asked / 10); // both answers are frequent
         EXPECT_LT(hidden_count, asked * 9 / 10);
+    });
+}
+
+TEST(Kernels, RectanglesAsFarAsNumbersGoHideAsTheSpecificationSays)
+{
+    constexpr int kMost = std::numeric_limits<int>::max();
+    constexpr int kLeast = std::numeric_limits<int>::min();
+    const glm::ivec2 size{37, 300};
+    const DepthPyramid pyramid = specked_pyramid(size, 95);
+    std::vector<ScreenBounds> bounds;
+    for (const int x : {kLeast, -kMost, -5, 0, 1, 36, 37, 38, kMost}) {
+        for (const int y : {kLeast, -256, -1, 0, 43, 299, 300, kMost}) {
+            for (const int width : {kLeast, -1, 0, 1, 2, 5, 6, 37, 38, kMost}) {
+                for (const int height : {-3, 0, 1, 4, 8, 17, 257, 300, 301, kMost}) {
+                    for (const float nearest : {0.0f, 0.48f, 1.0f, 1.5f, kInf, -kInf, kNan}) {
+                        bounds.push_back({{x, y, width, height}, nearest, 1.0f, true});
+                    }
+                }
+            }
+        }
+    }
+    on_every_target([&] {
+        for (const Refinement refinement : {Refinement::none, Refinement::pixels}) {
+            std::vector<uint8_t> hidden(bounds.size(), 9);
+            pyramid.hides(bounds, refinement, hidden);
+            int seen = 0;
+            for (size_t i = 0; i < bounds.size(); ++i) {
+                const ScreenBounds& b = bounds[i];
+                ASSERT_EQ(hidden[i], pyramid.hides(b.rect, b.near_depth, refinement) ? 1 : 0)
+                    << b.rect.x << ", " << b.rect.y << ", " << b.rect.width << ", " << b.rect.height
+                    << " at " << b.near_depth;
+                seen += hidden[i] == 0 ? 1 : 0;
+            }
+            EXPECT_GT(seen, 1000);
+            EXPECT_LT(seen, static_cast<int>(bounds.size()) - 1000);
+        }
     });
 }
 

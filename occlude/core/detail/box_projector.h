@@ -9,6 +9,8 @@
 #include <glm/vec4.hpp>
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 
 namespace occlude::detail {
@@ -47,8 +49,38 @@ struct BoxProjector {
     bool usable = false;          ///< there is a near plane, and something is known of the view
 };
 
-/// Does p.project(boxes[i], bounds[i]), several boxes at once.
-void project_boxes_simd(const BoxProjector& p, std::span<const Aabb> boxes,
-                        std::span<ScreenBounds> bounds);
+/// ScreenBounds of some boxes, field by field, as vectors write and read them. In the nearest cache.
+struct BoundsBlock {
+    static constexpr size_t kBoxes = 128;
+    template <class T>
+    using Field = std::array<T, kBoxes>;
+
+    void set(size_t i, const ScreenBounds& b)
+    {
+        x[i] = b.rect.x;
+        y[i] = b.rect.y;
+        width[i] = b.rect.width;
+        height[i] = b.rect.height;
+        near_depth[i] = b.near_depth;
+        far_depth[i] = b.far_depth;
+        valid[i] = b.valid ? 1 : 0;
+    }
+    PixelRect rect(size_t i) const { return {x[i], y[i], width[i], height[i]}; }
+    ScreenBounds operator[](size_t i) const
+    {
+        return {rect(i), near_depth[i], far_depth[i], valid[i] != 0};
+    }
+
+    alignas(64) Field<int32_t> x;
+    alignas(64) Field<int32_t> y;
+    alignas(64) Field<int32_t> width;
+    alignas(64) Field<int32_t> height;
+    alignas(64) Field<float> near_depth;
+    alignas(64) Field<float> far_depth;
+    alignas(64) Field<int32_t> valid;
+};
+
+/// Does p.project() for at most BoundsBlock::kBoxes boxes, several at once.
+void project_boxes_simd(const BoxProjector& p, std::span<const Aabb> boxes, BoundsBlock& bounds);
 
 } // namespace occlude::detail

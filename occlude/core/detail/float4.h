@@ -48,6 +48,17 @@ inline Float4 abs4(Float4 v)
     return std::bit_cast<Float4>(std::bit_cast<Int4>(v) & 0x7fffffff);
 }
 
+/// Toward zero, and the next whole number up; for what an int holds.
+inline Int4 truncate4(Float4 v)
+{
+    return __builtin_convertvector(v, Int4);
+}
+inline Int4 ceil4(Float4 v)
+{
+    const Int4 whole = truncate4(v);
+    return whole - (__builtin_convertvector(whole, Float4) < v); // a comparison's result is 0 or -1
+}
+
 /// Bit i: lane i is set. Lanes are comparisons' results: 0 or -1.
 inline uint32_t bits_of(Int4 lanes)
 {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <occlude/core/depth_pyramid.h>
+#include <occlude/core/detail/box_projector.h>
 
 #include <glm/vec2.hpp>
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -67,14 +69,22 @@ void reduce_rows(const float* a, const float* b, int width, float* out);
 void build_levels(std::span<const PyramidLevel> levels, float* texels, ReduceRows reduce);
 void build_levels_simd(std::span<const PyramidLevel> levels, float* texels);
 
-/// What a coarse test leaves to pixels: only the border of the rectangle can decide.
-inline constexpr uint8_t kUndecided = 2;
+/// True if all texels of the range, at most kSpan x kSpan of a level, are below `nearest`. Reads up to
+/// kSpan - 1 floats beyond the last texel of all, and does nothing with them.
+bool all_nearer(const PyramidLevel& level, const float* texels, const TexelRange& range,
+                float nearest);
 
-/// DepthPyramid::hides without refinement, for many bounds; with refinement, where that needs finer
-/// levels, kUndecided. Reads up to kSpan - 1 floats beyond the last texel, and does nothing with
-/// them.
+/// DepthPyramid::hides without refinement. Precondition: there are levels.
+bool coarse_hides(std::span<const PyramidLevel> levels, const float* texels, const PixelRect& rect,
+                  float nearest);
+
+/// Vectors count the texels of a level in 31 bits: those of a target of at most 32768 x 32768 pixels.
+inline constexpr size_t kMostVectorLevels = 16;
+
+/// The same of the first `count` bounds, where they are valid: 1 or 0 in `hidden`, of which all may be
+/// written. Precondition: from one to kMostVectorLevels levels.
 void coarse_hides_simd(std::span<const PyramidLevel> levels, const float* texels,
-                       std::span<const ScreenBounds> bounds, DepthPyramid::Refinement refinement,
-                       uint8_t* hidden);
+                       const BoundsBlock& bounds, size_t count,
+                       BoundsBlock::Field<uint8_t>& hidden);
 
 } // namespace occlude::detail
