@@ -166,6 +166,7 @@ TEST_P(AdaptiveCosts, KeepsUpWithTheBestFixedAlgorithmInAStreet)
     std::vector<FrameReport> reports;
     const double adaptive = model.seconds("adaptive", in_the_street, &reports);
     RecordProperty("best", best_name);
+    RecordProperty("time_of_best", std::to_string(adaptive / best));
     EXPECT_LE(adaptive, 1.10 * best)
         << "best is " << best_name << " at " << best << " s; frustum " << frustum
         << " s; adaptive: " << to_string(reports.back().plan);
