@@ -9,7 +9,7 @@ namespace occlude {
 namespace {
 
 // One in so many nodes that could be closed again is tried in a frame: each costs a test.
-constexpr uint32_t kMergeOneIn = 3;
+constexpr uint32_t kMergeOneIn = 16;
 
 } // namespace
 
@@ -135,8 +135,16 @@ void CutCuller::sort_out(CullFrame& frame)
 
 void CutCuller::draw_expected(CullFrame& frame)
 {
-    std::sort(drawn_.begin(), drawn_.end(),
-              [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+    order_.clear();
+    for (uint32_t i = 0; i < drawn_.size(); ++i) {
+        order_.emplace_back(drawn_[i].distance, i);
+    }
+    std::sort(order_.begin(), order_.end());
+    stack_.clear();
+    for (const auto& [distance, i] : order_) {
+        stack_.push_back(drawn_[i]);
+    }
+    drawn_.swap(stack_);
     for (const Candidate& candidate : drawn_) {
         draw(frame, candidate, Decision::drawn_tested);
     }

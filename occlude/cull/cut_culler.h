@@ -169,6 +169,7 @@ private:
     };
     bool use_shapes_;
     std::vector<Part> parts_;
+    std::vector<std::pair<float, uint32_t>> order_; ///< of what is drawn first, by distance
     Tests drawn_tests_;
     Tests candidate_tests_;
 };

@@ -13,8 +13,10 @@
 
 #include <occlude/hierarchy/hierarchy.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace occlude {
@@ -58,14 +60,11 @@ public:
     static void fetch_ahead(const Hierarchy& hierarchy, std::span<const Entry> entries, size_t i);
 
 private:
-    /// What is counted below an opened node.
-    struct Parent {
-        NodeId node; ///< invalid: a free place
-        uint32_t quiet = 0;
-        uint32_t outside = 0;
-        enum class Fate : uint8_t { not_asked, stays, merged } fate = Fate::not_asked;
+    /// A hidden or outside entry whose siblings may be so, too.
+    struct Quiet {
+        NodeId parent;
+        Entry entry;
     };
-    static constexpr uint32_t kNone = 0xffffffffu;
 
     // The node that the entry was opened from.
     static NodeId opened_from(const Hierarchy& hierarchy, const Entry& entry)
@@ -76,13 +75,10 @@ private:
     {
         return entry.state == State::hidden || entry.state == State::outside;
     }
-    void start_counting();
-    uint32_t find(NodeId parent);
 
     std::vector<Entry> entries_;
     std::vector<Entry> next_;
-    std::vector<Parent> parents_;     ///< a hash table, of a power of two, twice as large as needed
-    std::vector<uint32_t> parent_of_; ///< of the entries of next_: a place in parents_, or kNone
+    std::vector<Quiet> quiet_; ///< scratch
 };
 
 inline void HierarchyCut::fetch_ahead([[maybe_unused]] const Hierarchy& hierarchy,
@@ -106,42 +102,42 @@ inline void HierarchyCut::fetch_ahead([[maybe_unused]] const Hierarchy& hierarch
 template <class Chosen, class Merged>
 void HierarchyCut::finish(const Hierarchy& hierarchy, Chosen&& chosen, Merged&& merged)
 {
-    start_counting();
+    entries_.clear();
+    quiet_.clear();
     for (size_t i = 0; i < next_.size(); ++i) {
         fetch_ahead(hierarchy, next_, i);
         const Entry& entry = next_[i];
-        const NodeId node = quiet(entry) ? opened_from(hierarchy, entry) : NodeId{};
-        parent_of_[i] = node.valid() && chosen(node) ? find(node) : kNone;
-        if (parent_of_[i] != kNone) {
-            Parent& parent = parents_[parent_of_[i]];
-            ++parent.quiet;
-            parent.outside += entry.state == State::outside ? 1 : 0;
-        }
-    }
-    entries_.clear();
-    for (size_t i = 0; i < next_.size(); ++i) {
-        const Entry& entry = next_[i];
-        if (parent_of_[i] == kNone) {
-            entries_.push_back(entry);
-            continue;
-        }
-        Parent& parent = parents_[parent_of_[i]];
-        if (parent.fate == Parent::Fate::not_asked) {
-            const Node& node = hierarchy.node(parent.node);
-            const uint32_t all = node.child_count + node.own_items;
-            Entry replacement{parent.node, kSubtree, entry.tested, entry.frames_hidden,
-                              entry.state};
-            parent.fate = Parent::Fate::stays;
-            if (parent.quiet == all && merged(parent.node, parent.outside == all, replacement)) {
-                parent.fate = Parent::Fate::merged;
-                entries_.push_back(replacement);
-            }
-        }
-        if (parent.fate == Parent::Fate::stays) {
+        const NodeId parent = quiet(entry) ? opened_from(hierarchy, entry) : NodeId{};
+        if (parent.valid() && chosen(parent)) {
+            quiet_.push_back({parent, entry});
+        } else {
             entries_.push_back(entry);
         }
     }
     next_.clear();
+    std::sort(quiet_.begin(), quiet_.end(), [](const Quiet& a, const Quiet& b) {
+        return std::tie(a.parent, a.entry.node, a.entry.place) <
+               std::tie(b.parent, b.entry.node, b.entry.place);
+    });
+    for (size_t first = 0, end = 0; first < quiet_.size(); first = end) {
+        const NodeId parent = quiet_[first].parent;
+        uint32_t outside = 0;
+        for (; end < quiet_.size() && quiet_[end].parent == parent; ++end) {
+            outside += quiet_[end].entry.state == State::outside ? 1 : 0;
+        }
+        const Node& node = hierarchy.node(parent);
+        const uint32_t parts = node.child_count + node.own_items;
+        Entry replacement = quiet_[first].entry;
+        replacement.node = parent;
+        replacement.place = kSubtree;
+        if (end - first == parts && merged(parent, outside == parts, replacement)) {
+            entries_.push_back(replacement);
+            continue;
+        }
+        for (size_t i = first; i < end; ++i) {
+            entries_.push_back(quiet_[i].entry);
+        }
+    }
 }
 
 } // namespace occlude
