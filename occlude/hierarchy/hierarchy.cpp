@@ -283,18 +283,19 @@ void Hierarchy::index_places()
         const Node& node = nodes_[id];
         std::fill_n(places_.owner_of.begin() + node.first_item, node.own_items, NodeId{id});
     }
-    places_.changed.assign((nodes_.size() + 63) / 64, 0);
+    places_.marked.assign((nodes_.size() + 63) / 64, 0);
 }
 
-void Hierarchy::refit(std::span<const ItemId> moved, std::span<const ItemBounds> bounds_by_item)
+void Hierarchy::refit(std::span<const ItemId> moved, std::span<const ItemBounds> bounds_by_item,
+                      std::vector<NodeId>* changed)
 {
     if (moved.empty()) {
         return;
     }
     index_places();
-    std::vector<uint64_t>& changed = places_.changed;
+    std::vector<uint64_t>& marked = places_.marked;
     const auto mark = [&](NodeId node) {
-        changed[node.value / 64] |= uint64_t{1} << node.value % 64;
+        marked[node.value / 64] |= uint64_t{1} << node.value % 64;
     };
     bool flags_changed = false;
     for (const ItemId item : moved) {
@@ -311,16 +312,20 @@ void Hierarchy::refit(std::span<const ItemId> moved, std::span<const ItemBounds>
     }
     two_level_ = {};
     // Backward, so that children are finished before their parents, which they mark on the way.
-    for (size_t word = changed.size(); word-- > 0;) {
-        while (changed[word] != 0) {
-            const auto bit = static_cast<uint32_t>(63 - std::countl_zero(changed[word]));
-            changed[word] ^= uint64_t{1} << bit;
-            Node& node = nodes_[64 * word + bit];
+    for (size_t word = marked.size(); word-- > 0;) {
+        while (marked[word] != 0) {
+            const auto bit = static_cast<uint32_t>(63 - std::countl_zero(marked[word]));
+            marked[word] ^= uint64_t{1} << bit;
+            const NodeId id{64 * word + bit};
+            Node& node = nodes_[id.value];
             const uint32_t triangles = triangle_sum(node, nodes_, item_bounds_);
             const Aabb box = merged_box(node, nodes_, item_bounds_);
             const bool same = triangles == node.subtree_triangles && box == node.box;
             node.subtree_triangles = triangles;
             node.box = box;
+            if (!same && changed != nullptr) {
+                changed->push_back(id);
+            }
             if (!same && node.parent.valid()) {
                 mark(node.parent);
             }
@@ -335,7 +340,7 @@ size_t Hierarchy::memory_bytes() const
     return bytes(nodes_) + bytes(items_) + bytes(item_bounds_) + bytes(flagged_) +
            bytes(two_level_.object) + bytes(two_level_.box) + bytes(two_level_.key) +
            bytes(two_level_.frames) + bytes(places_.place_of) + bytes(places_.owner_of) +
-           bytes(places_.changed);
+           bytes(places_.marked);
 }
 
 void Hierarchy::set_two_level(TwoLevelNodes nodes)

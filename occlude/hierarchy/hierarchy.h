@@ -144,8 +144,10 @@ public:
     /// bit for bit what a full refit gives. Costs more per item than a full refit, so that it pays
     /// up to some tenth of the items; docs/scale.md has figures. The first call after the structure
     /// has changed makes an index of 8 bytes per item, O(items). The rest is
-    /// O(moved * depth + nodes / 64).
-    void refit(std::span<const ItemId> moved, std::span<const ItemBounds> bounds_by_item);
+    /// O(moved * depth + nodes / 64). Adds the nodes whose box or sum has changed to `changed`,
+    /// children before their parents.
+    void refit(std::span<const ItemId> moved, std::span<const ItemBounds> bounds_by_item,
+               std::vector<NodeId>* changed = nullptr);
 
     /// Bytes of nodes, items and bounds, and of what partial refits have added. Counts what is used,
     /// not what vectors hold in reserve.
@@ -184,7 +186,7 @@ private:
     struct PlaceIndex {
         std::vector<uint32_t> place_of; ///< by ItemId: into items_, or kNowhere
         std::vector<NodeId> owner_of;   ///< by place: the node that has it among its own items
-        std::vector<uint64_t> changed;  ///< a bit per node, all clear between calls
+        std::vector<uint64_t> marked;   ///< a bit per node, all clear between calls
         uint64_t structure_version = 0; ///< that it was made for; 0: none
 
         static constexpr uint32_t kNowhere = 0xffffffffu;

@@ -1,6 +1,7 @@
 #include <occlude/hierarchy/two_level.h>
 
 #include <occlude/core/assert.h>
+#include <occlude/hierarchy/detail/huge_pages.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +17,8 @@ namespace {
 constexpr uint32_t kMaxDepth = 48;
 /// So many objects to one that is drawn where it was and no longer is linked.
 constexpr size_t kObjectsPerStaleLink = 64;
+/// Only the nodes above moved items are refitted where these are at most one in so many.
+constexpr size_t kItemsPerMoved = 8;
 /// Planes are tried at this many places per axis.
 constexpr size_t kCandidates = 15;
 
@@ -612,9 +615,16 @@ void TwoLevelTree::lay_out(std::span<const ItemBounds> bounds)
 {
     Layout layout;
     layout.bounds = bounds;
-    layout.nodes.reserve(hierarchy_.nodes().size());
-    layout.items.reserve(hierarchy_.items().size());
-    layout.item_bounds.reserve(hierarchy_.items().size());
+    const auto as_before = [](size_t size) { return size + size / 16; }; // or a little more
+    detail::reserve_huge(layout.nodes, as_before(hierarchy_.nodes().size()));
+    detail::reserve_huge(layout.items, as_before(hierarchy_.items().size()));
+    detail::reserve_huge(layout.item_bounds, as_before(hierarchy_.items().size()));
+    layout.scene_of = std::move(scene_of_);
+    layout.local_of = std::move(local_of_);
+    layout.object_of = std::move(object_of_);
+    layout.scene_of.clear();
+    layout.local_of.clear();
+    layout.object_of.clear();
     TwoLevelNodes info = hierarchy_.take_two_level();
     if (scene_[kRoot].subtree_objects > 0) {
         emit_scene(layout, kRoot, layout.add_nodes(1));
@@ -643,6 +653,17 @@ Aabb TwoLevelTree::scene_test_box(const SceneNode& node, const Aabb& tight, cons
     return merge(tight, intersection(node.cell, scene));
 }
 
+Aabb TwoLevelTree::test_box(const TwoLevelNodes& info, size_t node) const
+{
+    const std::span<const Node> nodes = hierarchy_.nodes();
+    if (scene_of_[node] != kNone) {
+        return scene_test_box(scene_[scene_of_[node]], nodes[node].box, nodes[0].box);
+    }
+    const uint32_t slot = object_of_[node];
+    return info.frames[slot].oriented ? objects_[slot].tree.nodes[local_of_[node]].box
+                                      : nodes[node].box;
+}
+
 void TwoLevelTree::refresh_two_level(TwoLevelNodes info)
 {
     const std::span<const Node> nodes = hierarchy_.nodes();
@@ -656,19 +677,58 @@ void TwoLevelTree::refresh_two_level(TwoLevelNodes info)
     }
     for (size_t i = 0; i < nodes.size(); ++i) {
         if (scene_of_[i] != kNone) {
-            const SceneNode& node = scene_[scene_of_[i]];
-            info.key[i] = node.key;
-            info.box[i] = scene_test_box(node, nodes[i].box, nodes[0].box);
-            continue;
+            info.key[i] = scene_[scene_of_[i]].key;
+        } else {
+            info.object[i] = object_of_[i];
+            info.key[i] = objects_[object_of_[i]].first_key + local_of_[i];
         }
-        const Object& object = objects_[object_of_[i]];
-        info.object[i] = object_of_[i];
-        info.key[i] = object.first_key + local_of_[i];
-        const bool oriented = info.frames[object_of_[i]].oriented;
-        info.box[i] = oriented ? object.tree.nodes[local_of_[i]].box : nodes[i].box;
+        info.box[i] = test_box(info, i);
     }
     info.key_count = keys_.end();
     info.lineage = lineage_;
+    hierarchy_.set_two_level(std::move(info));
+}
+
+// Is what moved turned where it was, so that boxes stay in their space?
+bool TwoLevelTree::oriented_as_before() const
+{
+    const std::vector<TwoLevelNodes::ObjectFrame>& frames = hierarchy_.two_level().frames;
+    return std::ranges::all_of(moved_, [&](Slot slot) {
+        return frames[slot].oriented == !keeps_axes(objects_[slot].world_from_object);
+    });
+}
+
+// In between layouts.
+void TwoLevelTree::refit(std::span<const ItemBounds> bounds)
+{
+    moved_items_.clear();
+    for (const Slot slot : moved_) {
+        for (uint32_t i = 0; i < objects_[slot].item_count; ++i) {
+            moved_items_.push_back(ItemId{objects_[slot].first_item.value + i});
+        }
+    }
+    // Cells of restless nodes calm down by themselves.
+    const bool few = moved_items_.size() * kItemsPerMoved <= hierarchy_.items().size();
+    if (few && options_.quiet_frames == 0 && oriented_as_before()) {
+        refit_moved(bounds);
+        return;
+    }
+    TwoLevelNodes info = hierarchy_.take_two_level();
+    hierarchy_.refit(bounds);
+    refresh_two_level(std::move(info));
+}
+
+void TwoLevelTree::refit_moved(std::span<const ItemBounds> bounds)
+{
+    TwoLevelNodes info = hierarchy_.take_two_level();
+    changed_.clear();
+    hierarchy_.refit(moved_items_, bounds, &changed_);
+    for (const Slot slot : moved_) {
+        info.frames[slot].world_from_object = objects_[slot].world_from_object;
+    }
+    for (const NodeId node : changed_) {
+        info.box[node.value] = test_box(info, node.value);
+    }
     hierarchy_.set_two_level(std::move(info));
 }
 
@@ -681,7 +741,6 @@ void TwoLevelTree::update(std::span<const ItemBounds> bounds_by_item)
         place(objects_[slot], bounds_by_item);
         relink(slot);
     }
-    moved_.clear();
     if (needs_layout() || !anything) {
         reconstruct();
     }
@@ -691,10 +750,9 @@ void TwoLevelTree::update(std::span<const ItemBounds> bounds_by_item)
     if (needs_layout()) {
         lay_out(bounds_by_item);
     } else if (anything || updates_ <= restless_until_) {
-        TwoLevelNodes info = hierarchy_.take_two_level();
-        hierarchy_.refit(bounds_by_item);
-        refresh_two_level(std::move(info));
+        refit(bounds_by_item);
     }
+    moved_.clear();
 }
 
 Hierarchy build_two_level(std::span<const ItemBounds> items, const TwoLevelOptions& options)

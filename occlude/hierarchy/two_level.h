@@ -17,9 +17,8 @@
 //             local tree of one node, tested by itself wherever the object is linked.
 // Guarantees  The hierarchy is valid() and its boxes bound the items as update() was told, wherever
 //             the objects are linked. Deterministic.
-// Cost        update(): O(moved objects * depth) to relink, O(items + nodes) to refit if anything
-//             moved, several times that to lay out, O(m log m) for the one rebuilt subtree of m
-//             objects.
+// Cost        update(): O(moved objects * depth) to relink and to refit, at most O(items + nodes);
+//             several times that to lay out, O(m log m) for the one rebuilt subtree of m objects.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>
@@ -88,7 +87,8 @@ public:
     void remove(Slot slot);
 
     /// Brings the hierarchy up to date: once per frame, before culling. `bounds_by_item` are the
-    /// world bounds of all items now, indexed by ItemId. Nothing moved: O(1).
+    /// world bounds of all items now, indexed by ItemId; only those of objects that were added or
+    /// moved since the last call have changed. Nothing moved: O(1).
     void update(std::span<const ItemBounds> bounds_by_item);
 
     /// What hierarchy().shapes() is from now on.
@@ -174,13 +174,19 @@ private:
     void emit_local(Layout& layout, const Object& object, Slot slot, uint32_t local,
                     uint32_t at) const;
     void refresh_two_level(TwoLevelNodes nodes);
+    void refit(std::span<const ItemBounds> bounds);
+    void refit_moved(std::span<const ItemBounds> bounds);
+    bool oriented_as_before() const;
+    Aabb test_box(const TwoLevelNodes& nodes, size_t node) const;
     Aabb scene_test_box(const SceneNode& node, const Aabb& tight, const Aabb& scene) const;
 
     TwoLevelOptions options_;
     std::vector<Object> objects_;
     std::vector<Slot> free_slots_;
     std::vector<Slot> moved_;
-    std::vector<SceneNode> scene_; ///< the root, a gap, and pairs of siblings
+    std::vector<ItemId> moved_items_; ///< scratch
+    std::vector<NodeId> changed_;     ///< scratch
+    std::vector<SceneNode> scene_;    ///< the root, a gap, and pairs of siblings
     std::vector<uint32_t> free_pairs_;
     std::vector<uint32_t> walk_; ///< scratch
     KeyPool keys_;

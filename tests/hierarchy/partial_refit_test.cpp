@@ -76,6 +76,29 @@ TEST_P(PartialRefit, FollowsAHierarchyThatIsReplaced)
     EXPECT_TRUE(test::same_tree(tree, expected));
 }
 
+TEST(PartialRefitReport, NamesTheNodesThatChangedAndNoOthers)
+{
+    std::vector<ItemBounds> items = test::random_items(500, 5);
+    Hierarchy tree = build_bvh(items);
+    const Hierarchy before = tree;
+    Rng rng(3);
+    std::vector<ItemId> moved;
+    move_some(items, moved, rng, 10);
+    std::vector<NodeId> changed;
+    tree.refit(moved, items, &changed);
+    std::vector<bool> named(tree.nodes().size(), false);
+    for (const NodeId node : changed) {
+        EXPECT_FALSE(named[node.value]);
+        named[node.value] = true;
+    }
+    for (size_t i = 0; i < tree.nodes().size(); ++i) {
+        const Node& now = tree.nodes()[i];
+        const Node& then = before.nodes()[i];
+        EXPECT_EQ(named[i], now.box != then.box || now.subtree_triangles != then.subtree_triangles);
+    }
+    EXPECT_FALSE(changed.empty());
+}
+
 INSTANTIATE_TEST_SUITE_P(Hierarchy, PartialRefit, ::testing::Values("bvh", "bsp", "octree", "grid"),
                          [](const auto& param) { return param.param; });
 

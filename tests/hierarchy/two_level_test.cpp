@@ -1,5 +1,6 @@
 #include <occlude/hierarchy/two_level.h>
 
+#include "hierarchy/scenes.h"
 #include "support/loose_boxes.h"
 
 #include <occlude/core/rng.h>
@@ -39,6 +40,7 @@ struct World {
     void put(TwoLevelTree::Slot slot, const glm::mat4& place)
     {
         const auto& [first, local] = objects[slot];
+        places[slot] = place;
         for (size_t i = 0; i < local.size(); ++i) {
             bounds[first + i].box = transformed(place, local[i]);
         }
@@ -74,6 +76,7 @@ struct World {
     TwoLevelTree tree;
     std::vector<ItemBounds> bounds;
     std::map<TwoLevelTree::Slot, std::pair<uint32_t, std::vector<Aabb>>> objects;
+    std::map<TwoLevelTree::Slot, glm::mat4> places;
 };
 
 glm::mat4 at(float x, float y, float z)
@@ -209,6 +212,63 @@ TEST(TwoLevelTree, TheLayoutWaitsForOneIn64ObjectsToBeRelinked)
         }
     }
     EXPECT_NE(world.tree.hierarchy().structure_version(), version);
+}
+
+// Between layouts only what is above the moved objects is brought up to date; as if all were.
+TEST(TwoLevelTree, FewMovedObjectsLeaveTheTreeThatAFullRefitGives)
+{
+    World world({.complex_triangles = 50, .leaf_triangles = 0, .rebuild_period = 1000});
+    Rng rng{5};
+    std::vector<TwoLevelTree::Slot> slots;
+    for (int i = 0; i < 400; ++i) {
+        const uint32_t parts = i % 4 == 0 ? 4 : 1;
+        slots.push_back(world.add({3.0f * static_cast<float>(i), 0, 0}, parts, 12));
+    }
+    world.update();
+    std::vector<bool> turned(slots.size(), false);
+    uint32_t in_own_space = 0;
+    uint64_t versions_seen = 0;
+    uint64_t version = 0;
+    for (int frame = 0; frame < 40; ++frame) {
+        for (int i = 0; i < 8; ++i) {
+            const uint32_t slot = rng.below(400);
+            const float step = rng.below(10) == 0 ? 300.0f : 0.3f;
+            const glm::mat4 place =
+                at(3.0f * static_cast<float>(slot) + rng.range(-step, step), 0, 0);
+            if (frame % 4 == 3) { // in the others all stay turned or not
+                turned[slot] = !turned[slot];
+            }
+            world.move(slots[slot],
+                       turned[slot] ? glm::rotate(place, rng.range(0.1f, 1.0f), glm::vec3{0, 0, 1})
+                                    : place);
+        }
+        world.update();
+        ASSERT_EQ(world.tree.check(), "") << "frame " << frame;
+        const Hierarchy& tree = world.tree.hierarchy();
+        Hierarchy expected = tree;
+        expected.refit(world.bounds);
+        ASSERT_TRUE(test::same_tree(tree, expected)) << "frame " << frame;
+        const TwoLevelNodes& info = tree.two_level();
+        for (const auto& [slot, object] : world.objects) {
+            ASSERT_EQ(info.frames[slot].world_from_object, world.places[slot]);
+        }
+        for (size_t i = 0; i < tree.nodes().size(); ++i) {
+            const bool oriented =
+                info.object[i] != TwoLevelNodes::kScene && info.frames[info.object[i]].oriented;
+            in_own_space += oriented ? 1 : 0;
+            if (oriented) { // rows of cubes from the origin, in their own space
+                ASSERT_EQ(info.box[i].min.y, 0.0f);
+                ASSERT_EQ(info.box[i].max.y, 1.0f);
+            } else {
+                ASSERT_EQ(info.box[i], tree.nodes()[i].box) << "frame " << frame << " node " << i;
+            }
+        }
+        versions_seen += version != tree.structure_version() ? 1 : 0;
+        version = tree.structure_version();
+    }
+    EXPECT_GT(in_own_space, 0u);
+    EXPECT_GT(versions_seen, 1u);
+    EXPECT_LT(versions_seen, 40u);
 }
 
 TEST(TwoLevelTree, ASubtreeWhoseLinksHaveChangedEnoughIsRebuilt)
