@@ -73,7 +73,7 @@ TEST(TwoPhase, HiddenSiblingsBecomeOneEntryThatIsTestedOnce)
     float depth = kBeyondItem0;
     ScriptedDevice device(depth_everywhere(depth));
     TwoPhase culler{tree};
-    for (int frame = 0; frame < 40; ++frame) {
+    for (int frame = 0; frame < 200; ++frame) { // a node is tried in one frame of 16
         culler.cull(look_ahead(), device);
     }
     const FrameReport report = culler.cull(look_ahead(), device);
