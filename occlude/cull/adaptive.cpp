@@ -436,7 +436,7 @@ void Adaptive::probe(CullFrame& frame)
         last_probe_us_ = spent_us_;
     }
     cut_.finish(
-        hierarchy(), [](NodeId) { return false; }, [](NodeId, bool, Entry&) { return false; });
+        hierarchy(), [](NodeId, State) { return false; }, [](NodeId, bool, Entry&) { return false; });
     const double saved_us = costs_.us_per_unit() * hidden_units_;
     frame.plan().saved_us = static_cast<float>(saved_us);
     frame.plan().spent_us = static_cast<float>(spent_us_);

@@ -8,8 +8,10 @@ namespace occlude {
 
 namespace {
 
-// One in so many nodes that could be closed again is tried in a frame: each costs a test.
-constexpr uint32_t kMergeOneIn = 16;
+// Of 48 nodes that could be closed again so many are tried in a frame: each costs a test, unless all
+// of it is outside the frustum.
+constexpr uint32_t kTried = 3;
+constexpr uint32_t kTriedOutside = 16;
 
 } // namespace
 
@@ -308,8 +310,9 @@ bool CutCuller::merges(CullFrame& frame, NodeId node)
 void CutCuller::finish_cut(CullFrame& frame, uint64_t seed)
 {
     const uint64_t turn = hash64(seed, frame.stamp());
-    const auto chosen = [&](NodeId node) {
-        return uniform_below(mix64(turn ^ node.value), kMergeOneIn) == 0;
+    const auto chosen = [&](NodeId node, State state) {
+        return uniform_below(mix64(turn ^ node.value), 48) <
+               (state == State::outside ? kTriedOutside : kTried);
     };
     cut_.finish(hierarchy(), chosen, [&](NodeId node, bool all_outside, Entry& replacement) {
         PlaneMask mask = Frustum::kAllPlanes;

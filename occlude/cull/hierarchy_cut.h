@@ -48,10 +48,10 @@ public:
     /// Adds an entry of the cut that this frame leaves. Together they must cover the tree again.
     void keep(const Entry& entry) { next_.push_back(entry); }
 
-    /// Ends a frame: the kept entries become the cut. Of the opened nodes that `chosen(node)` is
-    /// true of, those below which all entries are hidden or outside may be closed again: where
-    /// `merged(node, all_outside, replacement)` is true, `replacement` takes their place. One level
-    /// per frame; O(entries).
+    /// Ends a frame: the kept entries become the cut. An opened node below which all entries are
+    /// hidden or outside may be closed again if `chosen(node, state)` is true for the states of all of
+    /// them: where `merged(node, all_outside, replacement)` is true, `replacement` takes their place.
+    /// One level per frame; O(entries).
     template <class Chosen, class Merged>
     void finish(const Hierarchy& hierarchy, Chosen&& chosen, Merged&& merged);
 
@@ -108,7 +108,7 @@ void HierarchyCut::finish(const Hierarchy& hierarchy, Chosen&& chosen, Merged&& 
         fetch_ahead(hierarchy, next_, i);
         const Entry& entry = next_[i];
         const NodeId parent = quiet(entry) ? opened_from(hierarchy, entry) : NodeId{};
-        if (parent.valid() && chosen(parent)) {
+        if (parent.valid() && chosen(parent, entry.state)) {
             quiet_.push_back({parent, entry});
         } else {
             entries_.push_back(entry);

@@ -18,7 +18,7 @@ HierarchyCut::Entry entry(uint32_t node, State state)
     return e;
 }
 
-const auto every = [](NodeId) { return true; };
+const auto every = [](NodeId, State) { return true; };
 
 std::set<uint32_t> nodes_of(const HierarchyCut& cut)
 {
@@ -113,6 +113,25 @@ TEST(HierarchyCut, TheOwnItemsOfANodeCountAmongItsParts)
     EXPECT_FALSE(cut.entries()[0].is_item());
 }
 
+// What is outside may be chosen more often than what is hidden: nodes with both wait for the rarer.
+TEST(HierarchyCut, NodesAreAskedIfTheStatesOfAllPartsAreChosen)
+{
+    const Hierarchy tree = test::row_tree(2);
+    HierarchyCut cut;
+    cut.reset(tree);
+    cut.keep(entry(3, State::outside));
+    cut.keep(entry(4, State::outside));
+    cut.keep(entry(5, State::outside));
+    cut.keep(entry(6, State::hidden));
+    cut.finish(
+        tree, [](NodeId, State state) { return state == State::outside; },
+        [](NodeId, bool all_outside, HierarchyCut::Entry&) {
+            EXPECT_TRUE(all_outside);
+            return true;
+        });
+    EXPECT_EQ(nodes_of(cut), (std::set<uint32_t>{1, 5, 6}));
+}
+
 TEST(HierarchyCut, OnlyChosenNodesAreAsked)
 {
     const Hierarchy tree = test::row_tree(2);
@@ -122,7 +141,7 @@ TEST(HierarchyCut, OnlyChosenNodesAreAsked)
         cut.keep(entry(node, State::hidden));
     }
     cut.finish(
-        tree, [](NodeId node) { return node == NodeId{1u}; },
+        tree, [](NodeId node, State) { return node == NodeId{1u}; },
         [](NodeId, bool, HierarchyCut::Entry&) { return true; });
     EXPECT_EQ(nodes_of(cut), (std::set<uint32_t>{1, 5, 6}));
 }
