@@ -225,6 +225,7 @@ void Adaptive::start_frame(CullFrame& frame)
     spent_us_ = 0.0;
     shapes_us_ = 0.0;
     hidden_units_ = 0.0;
+    wasted_units_ = 0.0;
     measured_ = false;
     depth_.start_frame(frame.samples());
     units_at_read_ = 0.0;
@@ -280,7 +281,10 @@ void Adaptive::judge(CullFrame& frame)
     plan.drawn_us = static_cast<float>(costs_.us_per_unit() * costs_.units(frame.counters()));
     plan.saved_us = static_cast<float>(saved_us);
     plan.spent_us = static_cast<float>(spent_us_);
-    const double ratio = saved_us / std::max(spent_us_, 1e-3);
+    // What a first look drew in vain the next frame need not.
+    const double may_save_us =
+        saved_us + (first_look_ ? costs_.us_per_unit() * wasted_units_ : 0.0);
+    const double ratio = may_save_us / std::max(spent_us_, 1e-3);
     saved_per_spent_ =
         first_look_ ? ratio : (1.0 - kForget) * saved_per_spent_ + kForget * std::min(ratio, 16.0);
     first_look_ = false;
@@ -401,6 +405,9 @@ void Adaptive::by_pyramid(CullFrame& frame)
     hidden_at_read_ = hidden_units_;
     reveal(frame);
     frame.flush_draws();
+    if (first_look_ && read_depth(frame)) {
+        drawn_before_read_ = drawn_.size(); // much was drawn before it could be known better
+    }
     testing_us -= box_clock();
     retest(frame);
     testing_us += box_clock();
@@ -433,10 +440,11 @@ void Adaptive::probe(CullFrame& frame)
         candidates_.assign(1, Candidate{cut_.entries()[0]});
         by_rounds(frame);
         all_drawn_ = false;
-        last_probe_us_ = spent_us_;
     }
+    last_probe_us_ = spent_us_;
     cut_.finish(
-        hierarchy(), [](NodeId, State) { return false; }, [](NodeId, bool, Entry&) { return false; });
+        hierarchy(), [](NodeId, State) { return false; },
+        [](NodeId, bool, Entry&) { return false; });
     const double saved_us = costs_.us_per_unit() * hidden_units_;
     frame.plan().saved_us = static_cast<float>(saved_us);
     frame.plan().spent_us = static_cast<float>(spent_us_);

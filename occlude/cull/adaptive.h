@@ -121,6 +121,7 @@ private:
     bool read_again(CullFrame& frame) override;
     void answered(bool hidden) override;
     void spared(const Entry& entry) override { hidden_units_ += units(entry); }
+    void wasted(const Entry& entry) override { wasted_units_ += units(entry); }
     bool merges(CullFrame& frame, NodeId node) override;
 
     // --- against depth that was read back ---
@@ -207,6 +208,7 @@ private:
     double spent_us_ = 0.0;  ///< on tests
     double shapes_us_ = 0.0; ///< ... of shapes, of these
     double hidden_units_ = 0.0;
+    double wasted_units_ = 0.0;
     bool measured_ = false; ///< what a method costs, beside the frame's own work
 
     // Against depth.

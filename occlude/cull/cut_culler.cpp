@@ -75,7 +75,8 @@ void CutCuller::add_parts(const CullFrame& frame, const Candidate& candidate,
 void CutCuller::keep_hidden(CullFrame& frame, Entry entry, Decision decision)
 {
     if (decision == Decision::undecided) {
-        entry.frames_hidden = 0; // drawn in this frame
+        entry.frames_hidden = 0;
+        wasted(entry);
     } else {
         entry.frames_hidden = static_cast<uint16_t>(std::min(entry.frames_hidden + 1, 0xffff));
         spared(entry);

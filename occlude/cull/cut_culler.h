@@ -78,6 +78,8 @@ protected:
     virtual void answered(bool /*hidden*/) {}
     /// The entry need not be drawn in this frame.
     virtual void spared(const Entry&) {}
+    /// It was drawn and is hidden: the next frame probably need not.
+    virtual void wasted(const Entry&) {}
     /// May hidden parts of `node`, all of them, become one entry?
     virtual bool merges(CullFrame& frame, NodeId node);
 
