@@ -28,6 +28,11 @@ constexpr uint32_t kRareProbe = 128;
 constexpr uint32_t kSoonProbe = 16;
 constexpr double kOtherView = 1.25;
 
+// Each probe that finds less than half of what it costs makes the next one wait so many times as long,
+// and at most so many times, while what is in the frustum stays about the same.
+constexpr double kLonger = 2.0;
+constexpr double kLongest = 4.0;
+
 // By tests on the device a probe takes many of them: not more often than this.
 constexpr double kFramesPerDeviceProbe = 16.0;
 
@@ -92,6 +97,7 @@ void Adaptive::reset_state()
     culling_ = true;
     first_look_ = true;
     first_probes_ = 0;
+    probe_patience_ = 1.0;
     frames_since_probe_ = kRareProbe; // none yet: one may come at once
     saved_per_spent_ = 0.0;
     hidden_share_ = 0.5;
@@ -258,9 +264,10 @@ bool Adaptive::probe_due(double drawn_units) const
 {
     const double frame_us = costs_.whole_us(drawn_units);
     const double probe_us = std::max(costs_.round(method_).us_per_round, last_probe_us_);
-    const double interval = probe_us / std::max(frame_us * double{options_.probe_share}, 1e-6);
     const bool other_view =
         std::max(drawn_units, units_at_look_) >= kOtherView * std::min(drawn_units, units_at_look_);
+    const double interval = (other_view ? 1.0 : probe_patience_) * probe_us /
+                            std::max(frame_us * double{options_.probe_share}, 1e-6);
     const double at_least = probe_us > kNoticeable * frame_us
                                 ? (other_view ? kSoonProbe : kRareProbe)
                             : method_ == TestMethod::pyramid ? 1.0
@@ -449,6 +456,8 @@ void Adaptive::probe(CullFrame& frame)
     frame.plan().saved_us = static_cast<float>(saved_us);
     frame.plan().spent_us = static_cast<float>(spent_us_);
     culling_ = saved_us > double{options_.start_margin} * spent_us_;
+    const bool in_vain = saved_us < 0.5 * spent_us_;
+    probe_patience_ = in_vain ? std::min(kLonger * probe_patience_, kLongest) : 1.0;
     if (culling_) {
         saved_per_spent_ = saved_us / std::max(spent_us_, 1e-3);
     } else {
