@@ -8,8 +8,9 @@ namespace occlude {
 
 namespace {
 
-// Of 48 nodes that could be closed again so many are tried in a frame: each costs a test, unless all
-// of it is outside the frustum.
+// Of so many nodes that could be closed again few are tried in a frame: each costs a test, unless all of
+// it is outside the frustum.
+constexpr uint32_t kNodes = 48;
 constexpr uint32_t kTried = 3;
 constexpr uint32_t kTriedOutside = 16;
 
@@ -312,7 +313,7 @@ void CutCuller::finish_cut(CullFrame& frame, uint64_t seed)
 {
     const uint64_t turn = hash64(seed, frame.stamp());
     const auto chosen = [&](NodeId node, State state) {
-        return uniform_below(mix64(turn ^ node.value), 48) <
+        return uniform_below(mix64(turn ^ node.value), kNodes) <
                (state == State::outside ? kTriedOutside : kTried);
     };
     cut_.finish(hierarchy(), chosen, [&](NodeId node, bool all_outside, Entry& replacement) {

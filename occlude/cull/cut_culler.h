@@ -7,7 +7,7 @@
 //                                                         --> visible: draw, or     reveal
 //                                                             test what it consists of
 //                                    outside      --> kept
-//    at the end: what was drawn is tested by the depth read last, for the next frame   retest
+//    at the end: what was drawn before the last look at depth is tested by it       retest
 //                quiet siblings become their parent                                 finish_cut
 //
 // Guarantees  exact: every item in the frustum is drawn, or lies in an entry that a test in this very
