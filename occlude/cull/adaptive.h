@@ -194,7 +194,7 @@ private:
     bool first_look_ = true;
     uint32_t first_probes_ = 0;
     uint32_t frames_since_probe_ = 0xffff;
-    double probe_patience_ = 1.0; ///< grows while probes find nothing
+    double probe_patience_ = 1.0;  ///< grows while probes find nothing
     double units_at_look_ = 0.0;   ///< in the frustum, when tests were last made
     double saved_per_spent_ = 0.0; ///< smoothed
     double tests_last_frame_ = 0.0;
