@@ -42,7 +42,8 @@ struct ScreenBounds {
 /// depth from near_depth to far_depth. Hence: if near_depth is greater than the farthest depth read
 /// back in all of `rect`, then nothing in the box is visible. `rect` is tighter where samples are in
 /// the middle of pixels: many small boxes have none. Invalid under rule R1, and for boxes that reach
-/// behind the near plane anywhere, seen or not. An empty box gives a valid, empty rect. About 0.1 us, half of it for the view: many boxes are cheaper at once.
+/// behind the near plane anywhere, seen or not. An empty box gives a valid, empty rect. About 0.1 us,
+/// half of it for the view: many boxes are cheaper at once.
 ScreenBounds project(const View& view, const Aabb& box,
                      SamplePositions samples = SamplePositions::anywhere);
 

@@ -172,9 +172,8 @@ double Adaptive::expected_us(TestMethod method) const
 // Will measure_methods tell what it costs, or has it begun to?
 bool Adaptive::unknown(TestMethod method) const
 {
-    const bool will_be_measured = clock_ && method_ == TestMethod::pyramid && !reads_are_dear();
-    return costs_.least_known(method).tests > 0 &&
-           (will_be_measured || costs_.rounds_measured(method) > 0);
+    const bool measures = clock_ && method_ == TestMethod::pyramid && !reads_are_dear();
+    return costs_.half_known(method) || (measures && costs_.least_known(method).tests > 0);
 }
 
 TestMethod Adaptive::choose_method() const
@@ -320,7 +319,7 @@ bool Adaptive::read_depth(CullFrame& frame)
     frame.flush_draws();
     const bool measures = measures_read(frame);
     const double at_rest = measures ? come_to_rest(frame) : 0.0;
-    if (!(measures ? measure_read(frame) : depth_.read(frame))) {
+    if (!(measures ? measure_read(frame) : read(frame))) {
         return false;
     }
     const double units = costs_.units(frame.counters());
@@ -364,7 +363,7 @@ bool Adaptive::measure_read(CullFrame& frame)
     measured_ = true;
     depth_.make_room(frame.view());
     const double from = now();
-    const bool known = depth_.read(frame);
+    const bool known = read(frame);
     costs_.tested(TestMethod::pyramid, 1, 1, now() - from);
     return known;
 }
@@ -412,8 +411,8 @@ void Adaptive::by_pyramid(CullFrame& frame)
     hidden_at_read_ = hidden_units_;
     reveal(frame);
     frame.flush_draws();
-    if (first_look_ && read_depth(frame)) {
-        drawn_before_read_ = drawn_.size(); // much was drawn before it could be known better
+    if (first_look_) {
+        read_depth(frame); // much was drawn before it could be known better
     }
     testing_us -= box_clock();
     retest(frame);

@@ -113,6 +113,7 @@ void CutCuller::keep_outside(Entry entry)
 void CutCuller::sort_out(CullFrame& frame)
 {
     drawn_.clear();
+    drawn_before_read_ = 0;
     candidates_.clear();
     tests_ = 0.0;
     if (cut_.empty()) {
@@ -152,7 +153,15 @@ void CutCuller::draw_expected(CullFrame& frame)
     for (const Candidate& candidate : drawn_) {
         draw(frame, candidate, Decision::drawn_tested);
     }
+}
+
+bool CutCuller::read(CullFrame& frame)
+{
+    if (!depth_.read(frame)) {
+        return false;
+    }
     drawn_before_read_ = drawn_.size();
+    return true;
 }
 
 // Of an item, or of the only one of a node. Null if there is none, or nobody asks for it.
@@ -267,7 +276,6 @@ void CutCuller::reveal(CullFrame& frame)
             continue;
         }
         if (read_again(frame)) {
-            drawn_before_read_ = drawn_.size();
             tested_once = false;
             tested = false;
         }
@@ -288,8 +296,10 @@ void CutCuller::reveal(CullFrame& frame)
 void CutCuller::retest(CullFrame& frame)
 {
     const std::span tested = std::span{drawn_}.first(drawn_before_read_);
-    prepare(frame, tested, drawn_tests_);
-    test(frame, tested, drawn_tests_);
+    if (!tested.empty()) { // depth was read
+        prepare(frame, tested, drawn_tests_);
+        test(frame, tested, drawn_tests_);
+    }
     for (size_t i = 0; i < drawn_.size(); ++i) {
         Entry& entry = drawn_[i].entry;
         if (i >= tested.size()) {

@@ -88,6 +88,8 @@ protected:
     /// Parts the cut into what is outside, what was visible and is drawn at once, and the rest.
     void sort_out(CullFrame& frame);
     void draw_expected(CullFrame& frame);
+    /// Reads depth (DepthTests::read): retest() tests by it all that is drawn by then.
+    bool read(CullFrame& frame);
     /// Where the candidates and what is drawn already are on the screen: while the device draws.
     void project_all(CullFrame& frame);
     void test_candidates(CullFrame& frame);

@@ -34,7 +34,7 @@ uint32_t TwoPhase::most_texels(const Entry& entry) const
 bool TwoPhase::read_again(CullFrame& frame)
 {
     return options_.reread_triangles > 0 && frame.caps().read_depth &&
-           frame.queued_triangles() >= options_.reread_triangles && depth_.read(frame);
+           frame.queued_triangles() >= options_.reread_triangles && read(frame);
 }
 
 void TwoPhase::cull_frame(CullFrame& frame)
@@ -46,12 +46,12 @@ void TwoPhase::cull_frame(CullFrame& frame)
         frame.start_draws();
     }
     project_all(frame);
-    depth_.read(frame);
+    read(frame);
     test_candidates(frame);
     reveal(frame);
     frame.flush_draws();
-    if (options_.final_depth && depth_.read(frame)) {
-        drawn_before_read_ = drawn_.size();
+    if (options_.final_depth) {
+        read(frame);
     }
     retest(frame);
     finish_cut(frame, kSeed);

@@ -146,7 +146,6 @@ TEST(HierarchyCut, OnlyChosenNodesAreAsked)
     EXPECT_EQ(nodes_of(cut), (std::set<uint32_t>{1, 5, 6}));
 }
 
-// More parents than a small table holds apart by luck.
 TEST(HierarchyCut, ManyNodesCloseAtOnce)
 {
     const Hierarchy tree = test::row_tree(8); // 256 leaves
