@@ -1,7 +1,7 @@
 // How long a tree over random boxes takes to build, and what it is worth: the cost by
 // the surface area heuristic, beside Embree's trees over the same boxes on as many threads.
 #include <occlude/core/rng.h>
-#include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>

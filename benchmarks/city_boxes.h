@@ -5,7 +5,8 @@
 //   768   what is on their walls: balconies, signs, windows, 48 to a building
 //   64    furniture inside, 4 to a building, never seen from outside
 //   152   street furniture on the pavements around the block
-// A larger city has more blocks, not larger ones: what a street-level view sees stays about the same.
+// A larger city has more blocks, not larger ones: what a street-level view sees stays about the
+// same.
 #pragma once
 
 #include <occlude/core/view.h>

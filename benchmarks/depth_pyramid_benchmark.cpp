@@ -1,9 +1,9 @@
-// Tests of boxes against a depth buffer on the CPU: per second and core, with vectors and without. A
-// test is everything from the box in the world to the answer: the projection (inflation, near plane,
-// rounding) and the comparison with at most 4x4 texels; `pixels` adds the refinement.
-#include <occlude/core/depth_pyramid.h>
-#include <occlude/core/projection.h>
+// Tests of boxes against a depth buffer on the CPU: per second and core, with vectors and without.
+// A test is everything from the box in the world to the answer: the projection (inflation, near
+// plane, rounding) and the comparison with at most 4x4 texels; `pixels` adds the refinement.
 #include <occlude/core/rng.h>
+#include <occlude/screen/depth_pyramid.h>
+#include <occlude/screen/projection.h>
 
 #include <benchmark/benchmark.h>
 #include <glm/ext/matrix_clip_space.hpp>

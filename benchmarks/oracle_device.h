@@ -16,8 +16,8 @@
 
 namespace occlude::bench {
 
-/// Up to eight views, each with its truth. A test of a node is answered by what is really visible in
-/// its subtree, at once; depth is that of the whole scene, so that it is right after any draw.
+/// Up to eight views, each with its truth. A test of a node is answered by what is really visible
+/// in its subtree, at once; depth is that of the whole scene, so that it is right after any draw.
 class OracleDevice final : public QueryDevice {
 public:
     OracleDevice(const Hierarchy& hierarchy, std::span<const Truth> truths)

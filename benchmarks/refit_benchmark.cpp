@@ -4,8 +4,8 @@
 #include "city_boxes.h"
 
 #include <occlude/core/rng.h>
-#include <occlude/hierarchy/bvh_builder.h>
-#include <occlude/hierarchy/two_level.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
+#include <occlude/hierarchy/builders/two_level.h>
 
 #include <benchmark/benchmark.h>
 
@@ -53,7 +53,8 @@ void refit_moved(benchmark::State& state)
     }
 }
 
-// Each box is an object of one item. Every fifth of the moved ones goes far enough to leave its node.
+// Each box is an object of one item. Every fifth of the moved ones goes far enough to leave its
+// node.
 void reinsert_moved(benchmark::State& state)
 {
     const auto count = static_cast<size_t>(state.range(0));

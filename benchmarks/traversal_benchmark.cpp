@@ -5,7 +5,7 @@
 #include "oracle_device.h"
 
 #include <occlude/cull/registry.h>
-#include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <benchmark/benchmark.h>
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""The dependency law of the library, as docs/architecture.md states it.
+"""The dependency law of the library and of the program, as docs/architecture.md states it.
 
-    core <- hierarchy <- scene
-            hierarchy <- cull
-    core <- device, backends/*          (backends and devices never see a tree or an algorithm)
+    core <- screen <- hierarchy <- hierarchy/builders <- scene
+                      hierarchy <- cull/parts <- cull/adaptive <- cull
+    core <- screen <- effects, device, backends/*     (they never see a tree or an algorithm)
+    files <- model <- load, walk <- generate ; model <- render <- measure <- report <- suites <- commands
 
 usage: check_includes.py [ROOT]      ROOT is the repository; by default the one this script is in.
 
@@ -17,18 +18,44 @@ from pathlib import Path
 # Which rooms a room may include, itself always among them.
 ALLOWED = {
     "core": {"core"},
-    "hierarchy": {"core", "hierarchy"},
-    "scene": {"core", "hierarchy", "scene"},
-    "cull": {"core", "hierarchy", "cull"},
-    "device": {"core", "device"},
-    "backends/gl": {"core", "backends/gl"},
-    "backends/cpu": {"core", "backends/cpu"},
-}
+    "screen": {"core", "screen"},
+    "hierarchy": {"core", "screen", "hierarchy"},
+    "hierarchy/builders": {"core", "screen", "hierarchy", "hierarchy/builders"},
+    "scene": {"core", "screen", "hierarchy", "hierarchy/builders", "scene"},
+    "cull/parts": {"core", "screen", "hierarchy", "cull/parts"},
+    "cull/adaptive": {"core", "screen", "hierarchy", "cull/parts", "cull/adaptive"},
+    "cull": {
+        "core", "screen", "hierarchy", "hierarchy/builders", "cull/parts", "cull/adaptive", "cull",
+    },
+    "effects": {"core", "screen", "hierarchy", "effects"},
+    "device": {"core", "screen", "device"},
+    "backends/gl": {"core", "screen", "backends/gl"},
+    "backends/cpu": {"core", "screen", "backends/cpu"},
+}  # fmt: skip
+
+# The same for the folders of tools/. All of them may include the library.
+TOOLS_ALLOWED = {
+    "files": {"files"},
+    "model": {"files", "model"},
+    "load": {"files", "model", "load"},
+    "walk": {"files", "model", "walk"},
+    "generate": {"files", "model", "load", "walk", "generate"},
+    "options": {"model", "options"},
+    "render": {"files", "model", "render"},
+    "measure": {"files", "model", "render", "measure"},
+    "report": {"files", "model", "measure", "report"},
+    "suites": {"files", "model", "options", "measure", "report", "suites"},
+    "commands": {
+        "files", "model", "load", "walk", "generate", "options", "render", "measure", "report",
+        "suites", "commands",
+    },
+}  # fmt: skip
 
 # Third-party and system includes that the sources and the detail/ headers of a room may use beside GLM.
 THIRD_PARTY = {
-    "core": ("hwy/",),
-    "hierarchy": ("tbb/", "oneapi/tbb/", "sys/mman.h"),
+    "screen": ("hwy/",),
+    "hierarchy": ("sys/mman.h",),
+    "hierarchy/builders": ("tbb/", "oneapi/tbb/", "sys/mman.h"),
     "scene": ("tbb/", "oneapi/tbb/"),
     "backends/gl": ("epoxy/", "EGL/", "KHR/"),
     "backends/cpu": ("tbb/", "oneapi/tbb/", "hwy/"),
@@ -54,11 +81,14 @@ STANDARD = re.compile(r"^[a-z0-9_]+(\.h)?$")
 
 
 def room_of(path):
-    """The room of a path below occlude/, such as "cull" or "backends/gl"; None for the top."""
-    parts = Path(path).parts
-    if len(parts) < 2:
-        return None
-    return "/".join(parts[:2]) if parts[0] == "backends" else parts[0]
+    """The room of a path below occlude/: its folder without detail/; None for the top."""
+    folders = [part for part in Path(path).parts[:-1] if part != "detail"]
+    return "/".join(folders) or None
+
+
+def in_cull(room):
+    """True for the rooms that decide, which must repeat exactly."""
+    return room.split("/")[0] == "cull"
 
 
 def code_lines(text):
@@ -89,7 +119,7 @@ def check_include(root, name, room, match):
     if path.startswith("glm/"):
         return None
     if STANDARD.match(path):
-        if room == "cull" and path in IMPURE_HEADERS:
+        if in_cull(room) and path in IMPURE_HEADERS:
             return f"cull must not use files, threads or clocks (<{path}>)"
         return None
     if path.startswith(THIRD_PARTY.get(room, ())):
@@ -108,12 +138,33 @@ def check_file(root, name):
         sentence = None
         if include:
             sentence = check_include(root, name, room, include)
-        elif room == "cull" and (api := GRAPHICS_API.search(line)):
+        elif in_cull(room) and (api := GRAPHICS_API.search(line)):
             sentence = f"cull must not name a graphics API ({api[0]})"
-        elif room == "cull" and MUTABLE_GLOBAL.match(line):
+        elif in_cull(room) and MUTABLE_GLOBAL.match(line):
             sentence = "cull must not have variables that outlive a culler"
         if sentence:
             problems.append(f"{name}:{number}: {sentence}")
+    return problems
+
+
+def check_tools_file(root, name):
+    """Sentences about one file of the program; its includes in quotes start at tools/."""
+    folder = name.parts[1] if len(name.parts) > 2 else None
+    if folder is None:
+        return []  # main.cpp puts everything together
+    if folder not in TOOLS_ALLOWED:
+        return [f"{name}:1: this folder is not a room of the program; see docs/architecture.md"]
+    problems = []
+    for number, line in enumerate(code_lines((root / name).read_text(encoding="utf-8")), 1):
+        include = INCLUDE.match(line)
+        if not include or include["open"] == "<":
+            continue
+        path = include["path"]
+        target = path.split("/")[0]
+        if not (root / "tools" / path).is_file():
+            problems.append(f'{name}:{number}: "{path}" does not exist below tools/')
+        elif target not in TOOLS_ALLOWED[folder]:
+            problems.append(f'{name}:{number}: tools/{folder} must not include tools/{target} ("{path}")')
     return problems
 
 
@@ -153,19 +204,26 @@ def check_reach(root, name, known):
                 yield f"{name}:{number}: a public header must not reach <{reached}> through <{path}>"
 
 
-def check_tree(root):
-    """All violations below root/occlude, in a fixed order, and the number of files read."""
-    files = sorted(
+def sources_below(root, folder):
+    """The sources and headers below root/folder, in a fixed order."""
+    return sorted(
         path.relative_to(root)
-        for path in (root / "occlude").rglob("*")
+        for path in (root / folder).rglob("*")
         if path.suffix in (".h", ".cpp")
     )
+
+
+def check_tree(root):
+    """All violations below occlude/ and tools/, in a fixed order, and the number of files read."""
+    files = sources_below(root, "occlude")
+    tools = sources_below(root, "tools")
     problems = [problem for name in files for problem in check_file(root, name)]
+    problems += [problem for name in tools for problem in check_tools_file(root, name)]
     known = {}
     for name in files:
         if not private(name):
             problems += check_reach(root, name, known)
-    return problems, len(files)
+    return problems, len(files) + len(tools)
 
 
 def main(arguments):

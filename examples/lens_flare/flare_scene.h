@@ -5,7 +5,7 @@
 
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/backends/cpu/cpu_scene.h>
-#include <occlude/cull/flare_visibility.h>
+#include <occlude/effects/flare_visibility.h>
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <vector>

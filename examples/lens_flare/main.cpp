@@ -8,8 +8,8 @@
 
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/cull/chc_plus_plus.h>
-#include <occlude/cull/flare_visibility.h>
-#include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/effects/flare_visibility.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>

@@ -6,7 +6,7 @@
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/device/validating_device.h>
-#include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>

@@ -73,8 +73,8 @@ void for_each_counter(Counters& c, Visit&& visit)
     visit("cells_asked", c.cells_asked);
 }
 
-/// How an algorithm that chooses anew for each frame went about this one, and why. The times are its
-/// own estimates, in microseconds.
+/// How an algorithm that chooses anew for each frame went about this one, and why. The times are
+/// its own estimates, in microseconds.
 struct FramePlan {
     enum class Kind : uint8_t {
         fixed,    ///< the algorithm does not choose

@@ -109,8 +109,8 @@ std::vector<OptionInfo> describe_options()
     return infos;
 }
 
-/// Sets one option by name. The empty string, or what is wrong: the unknown name with the known ones,
-/// or the value with what it may be.
+/// Sets one option by name. The empty string, or what is wrong: the unknown name with the known
+/// ones, or the value with what it may be.
 template <class Options>
 std::string apply_option(Options& options, const OptionValue& setting)
 {

@@ -35,9 +35,9 @@
 
 namespace occlude {
 
-/// How a device finds the answer to a test. A batch may name one of caps.methods; `automatic` is the
-/// device's default. Only `queries` counts samples. The others answer 0, or 1 for "some": where a
-/// threshold above 0 is to decide, ask for queries.
+/// How a device finds the answer to a test. A batch may name one of caps.methods; `automatic` is
+/// the device's default. Only `queries` counts samples. The others answer 0, or 1 for "some": where
+/// a threshold above 0 is to decide, ask for queries.
 enum class TestMethod : uint8_t {
     automatic,
     queries, ///< one hardware occlusion query per test
@@ -70,8 +70,8 @@ struct DeviceCaps {
     bool exact_counts = true;       ///< of the default method: sample counts, or else 0 or 1
     bool draw_and_query = false;    ///< the verb of that name works
     bool read_depth = false;        ///< the verb of that name works
-    /// The target of this frame has one sample per pixel, in the middle. Otherwise samples are taken
-    /// to be anywhere in their pixel.
+    /// The target of this frame has one sample per pixel, in the middle. Otherwise samples are
+    /// taken to be anywhere in their pixel.
     bool samples_at_pixel_centers = false;
     uint32_t max_outstanding = 4096;
     std::vector<TestCost> methods = {}; ///< the test methods there are, the default first

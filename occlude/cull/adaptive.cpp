@@ -7,8 +7,8 @@ namespace occlude {
 
 namespace {
 
-// While a frame reveals things, it reads depth again after drawing for so many read-backs, and after so
-// many times more where that found little hidden.
+// While a frame reveals things, it reads depth again after drawing for so many read-backs, and
+// after so many times more where that found little hidden.
 constexpr double kFirstReadAfter = 4.0;
 constexpr double kNextReadAfter = 2.0;
 
@@ -20,24 +20,24 @@ constexpr double kWellWorth = 4.0;
 constexpr double kFarMore = 4.0;
 constexpr size_t kNotByChance = 2;
 
-// A probe that takes more than this part of a frame comes at most once in kRareProbe frames, so that
-// it stays out of the 99th percentile; in kSoonProbe frames if what is in the frustum has become so many
-// times more or less since the last one.
+// A probe that takes more than this part of a frame comes at most once in kRareProbe frames, so
+// that it stays out of the 99th percentile; in kSoonProbe frames if what is in the frustum has
+// become so many times more or less since the last one.
 constexpr double kNoticeable = 0.05;
 constexpr uint32_t kRareProbe = 128;
 constexpr uint32_t kSoonProbe = 16;
 constexpr double kOtherView = 1.25;
 
-// Each probe that finds less than half of what it costs makes the next one wait so many times as long,
-// and at most so many times, while what is in the frustum stays about the same.
+// Each probe that finds less than half of what it costs makes the next one wait so many times as
+// long, and at most so many times, while what is in the frustum stays about the same.
 constexpr double kLonger = 2.0;
 constexpr double kLongest = 4.0;
 
 // By tests on the device a probe takes many of them: not more often than this.
 constexpr double kFramesPerDeviceProbe = 16.0;
 
-// By tests on the device, so many of the first frames are probed at most: each kind of round is measured
-// three times.
+// By tests on the device, so many of the first frames are probed at most: each kind of round is
+// measured three times.
 constexpr uint32_t kFirstProbes = 12;
 
 // The depth of a probe: nodes of less than this part of the frame's work are not opened.
@@ -141,8 +141,8 @@ void Adaptive::answered(bool hidden)
     hidden_share_ += kShareStep * ((hidden ? 1.0 : kLeastShare) - hidden_share_);
 }
 
-// Shapes are tested one by one and are few, so that each can be timed. Without a clock the test of one
-// counts as what it took when this was written.
+// Shapes are tested one by one and are few, so that each can be timed. Without a clock the test of
+// one counts as what it took when this was written.
 void Adaptive::shape_answered(bool hidden, double us)
 {
     shape_share_ += kShareStep * ((hidden ? 1.0 : kLeastShare) - shape_share_);
@@ -368,8 +368,8 @@ bool Adaptive::measure_read(CullFrame& frame)
     return known;
 }
 
-// One pixel comes when all is drawn. Gives the time when it was; a second pixel tells what the first
-// took besides.
+// One pixel comes when all is drawn. Gives the time when it was; a second pixel tells what the
+// first took besides.
 double Adaptive::come_to_rest(CullFrame& frame)
 {
     float pixel = 0.0f;

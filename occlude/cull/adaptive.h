@@ -28,16 +28,17 @@
 //             frame found hidden. Measured times change what is tested and how, never the image.
 //             Without a clock, or on a device without exact timing, decisions follow the hints of
 //             DeviceCaps.
-// Cost        O(entries of the cut) a frame, which follows the visible boundary; one depth read-back
+// Cost        O(entries of the cut) a frame, which follows the visible boundary; one depth
+// read-back
 //             or a few rounds of tests. When it draws all: that of `frustum`, and the probes.
 #pragma once
 
+#include <occlude/core/clock.h>
 #include <occlude/cull/chc_plus_plus_math.h>
-#include <occlude/cull/clock.h>
-#include <occlude/cull/cost_model.h>
-#include <occlude/cull/coverage.h>
 #include <occlude/cull/cut_culler.h>
-#include <occlude/cull/frustum_walk.h>
+#include <occlude/cull/parts/cost_model.h>
+#include <occlude/cull/parts/coverage.h>
+#include <occlude/cull/parts/frustum_walk.h>
 
 #include <array>
 #include <cstdint>

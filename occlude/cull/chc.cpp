@@ -1,6 +1,6 @@
 #include <occlude/cull/chc.h>
 
-#include <occlude/cull/cull_frame.h>
+#include <occlude/cull/parts/cull_frame.h>
 
 namespace occlude {
 

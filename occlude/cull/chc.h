@@ -22,8 +22,8 @@
 #pragma once
 
 #include <occlude/cull/culler.h>
-#include <occlude/cull/distance_queue.h>
-#include <occlude/cull/fifo.h>
+#include <occlude/cull/parts/distance_queue.h>
+#include <occlude/cull/parts/fifo.h>
 
 #include <array>
 #include <cstdint>

@@ -32,11 +32,11 @@
 #pragma once
 
 #include <occlude/cull/chc_plus_plus_math.h>
-#include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
-#include <occlude/cull/distance_queue.h>
-#include <occlude/cull/fifo.h>
-#include <occlude/cull/tight_bounds.h>
+#include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/distance_queue.h>
+#include <occlude/cull/parts/fifo.h>
+#include <occlude/cull/parts/tight_bounds.h>
 
 #include <array>
 #include <cstdint>
@@ -62,8 +62,8 @@ struct ChcPlusPlusOptions {
     /// Randomises the first test of a leaf that turned visible; false: after n_av frames.
     bool jitter = true;
     /// d_max: how many levels below a node its tight bounds may come from. 0: its own box only. The
-    /// paper takes 3, where boxes are nearly free; where each costs like dozens of triangles (software
-    /// OpenGL) 1 is faster: docs/algorithms/chc_plus_plus.md has the figures.
+    /// paper takes 3, where boxes are nearly free; where each costs like dozens of triangles
+    /// (software OpenGL) 1 is faster: docs/algorithms/chc_plus_plus.md has the figures.
     uint32_t tight_bounds_depth = 1;
     /// s_max: the tight bounds' area is at most this many times the node's.
     float tight_bounds_area = 1.4f;

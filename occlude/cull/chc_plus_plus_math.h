@@ -25,9 +25,9 @@ double analytic_keep_probability(uint32_t frames_hidden);
 
 /// The value V = B / C of a multiquery over `count` nodes that all stay hidden with probability
 /// `all_keep`: nodes answered per expected query. C = 1 + (1 - all_keep) * count. One node alone
-/// has value 1: its query cannot be wasted. Where groups of more than `most_singly` are halved, C has
-/// the tests of the halves instead: two for each halving, then the nodes; and the value is 0 if the
-/// group is not likely to stay hidden, as more than one of its nodes would show.
+/// has value 1: its query cannot be wasted. Where groups of more than `most_singly` are halved, C
+/// has the tests of the halves instead: two for each halving, then the nodes; and the value is 0 if
+/// the group is not likely to stay hidden, as more than one of its nodes would show.
 double multiquery_value(size_t count, double all_keep, size_t most_singly = kNeverHalved);
 
 /// How many nodes from the front of `keep` (descending keep probabilities) the best multiquery

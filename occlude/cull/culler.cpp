@@ -1,6 +1,6 @@
 #include <occlude/cull/culler.h>
 
-#include <occlude/cull/cull_frame.h>
+#include <occlude/cull/parts/cull_frame.h>
 
 namespace occlude {
 
@@ -13,7 +13,7 @@ FrameReport Culler::cull(const View& view, QueryDevice& device)
     FrameReport report;
     report.frame = next_frame_++;
     report.guarantee = guarantee();
-    CullFrame frame(*this, view, device, report);
+    CullFrame frame(hierarchy_, record_, view, device, report);
     if (!hierarchy_.empty()) {
         cull_frame(frame);
     }

@@ -5,8 +5,7 @@
 #include <occlude/core/ids.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/view.h>
-#include <occlude/cull/back_to_front.h>
-#include <occlude/cull/decision_log.h>
+#include <occlude/cull/parts/frame_record.h>
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <span>
@@ -35,16 +34,15 @@ public:
     void reset();
 
     /// The items drawn by the last cull(), in draw order, each once. Valid until the next cull().
-    std::span<const ItemId> drawn_items() const { return drawn_items_; }
+    std::span<const ItemId> drawn_items() const { return record_.drawn_items; }
 
-    /// What the last cull() decided, and why; of a never_cull item: what would have become of it. Valid until the next cull().
-    const DecisionLog& decisions() const { return decisions_; }
+    /// What the last cull() decided, and why; of a never_cull item: what would have become of it.
+    /// Valid until the next cull().
+    const DecisionLog& decisions() const { return record_.decisions; }
 
     const Hierarchy& hierarchy() const { return hierarchy_; }
 
 protected:
-    friend class CullFrame;
-
     /// One frame of the algorithm. `frame` counts from 0 since the last reset.
     virtual void cull_frame(class CullFrame& frame) = 0;
     virtual void reset_state() = 0;
@@ -57,10 +55,7 @@ private:
     const Hierarchy& hierarchy_;
     uint64_t seen_structure_ = 0;
     uint64_t next_frame_ = 0;
-    std::vector<ItemId> drawn_items_;
-    std::vector<TranslucentItem> translucent_items_; ///< of the frame, until it ends
-    std::vector<uint32_t> late_items_;               ///< likewise: places in Hierarchy::items()
-    DecisionLog decisions_;
+    FrameRecord record_; ///< of the last frame
 };
 
 } // namespace occlude

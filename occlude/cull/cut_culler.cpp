@@ -8,8 +8,8 @@ namespace occlude {
 
 namespace {
 
-// Of so many nodes that could be closed again few are tried in a frame: each costs a test, unless all of
-// it is outside the frustum.
+// Of so many nodes that could be closed again few are tried in a frame: each costs a test, unless
+// all of it is outside the frustum.
 constexpr uint32_t kNodes = 48;
 constexpr uint32_t kTried = 3;
 constexpr uint32_t kTriedOutside = 16;
@@ -127,7 +127,8 @@ void CutCuller::sort_out(CullFrame& frame)
         if (!visit(frame, candidate)) {
             keep_outside(entry);
         } else if (entry.state == State::visible && still_visible(entry)) {
-            // By their middle: the nearest point of what is large, and around the eye, says nothing.
+            // By their middle: the nearest point of what is large, and around the eye, says
+            // nothing.
             const glm::vec3 middle = box_of(entry).center();
             candidate.distance = frame.view().distance_key({middle, middle});
             drawn_.push_back(candidate);

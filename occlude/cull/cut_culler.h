@@ -1,5 +1,5 @@
-// The traversal that `two_phase` and `adaptive` share: two phases over a cut that is kept from frame
-// to frame. An algorithm says what is opened, what is worth a test and when depth is read.
+// The traversal that `two_phase` and `adaptive` share: two phases over a cut that is kept from
+// frame to frame. An algorithm says what is opened, what is worth a test and when depth is read.
 //
 //    the cut of the last frame --> in the frustum?
 //                                    visible then --> draw at once, near to far     draw_expected
@@ -10,17 +10,19 @@
 //    at the end: what was drawn before the last look at depth is tested by it       retest
 //                quiet siblings become their parent                                 finish_cut
 //
-// Guarantees  exact: every item in the frustum is drawn, or lies in an entry that a test in this very
-//             frame found hidden. What was visible and is tested again comes back into the frustum as
-//             a candidate (rule R8).
-// Cost        O(entries of the cut) a frame, which follows the visible boundary. Nothing is kept per
+// Guarantees  exact: every item in the frustum is drawn, or lies in an entry that a test in this
+// very
+//             frame found hidden. What was visible and is tested again comes back into the frustum
+//             as a candidate (rule R8).
+// Cost        O(entries of the cut) a frame, which follows the visible boundary. Nothing is kept
+// per
 //             node of the tree.
 #pragma once
 
-#include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
-#include <occlude/cull/depth_tests.h>
-#include <occlude/cull/hierarchy_cut.h>
+#include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/depth_tests.h>
+#include <occlude/cull/parts/hierarchy_cut.h>
 #include <occlude/hierarchy/item_shapes.h>
 
 #include <cstdint>
@@ -34,8 +36,8 @@ class CutCuller : public Culler {
 public:
     const HierarchyCut& cut() const { return cut_; }
 
-    /// True if something of `node` was found visible by the last frame and will be drawn first in the
-    /// next. O(entries of the cut).
+    /// True if something of `node` was found visible by the last frame and will be drawn first in
+    /// the next. O(entries of the cut).
     bool visible(NodeId node) const;
 
 protected:
@@ -147,8 +149,8 @@ protected:
     double tests_ = 0.0; ///< one by one, in reveal and merges
 
 private:
-    /// What tests need of some candidates, one after the other in memory: nodes and items are all over
-    /// it, and reading depth back has displaced them from the caches.
+    /// What tests need of some candidates, one after the other in memory: nodes and items are all
+    /// over it, and reading depth back has displaced them from the caches.
     struct Tests {
         std::vector<Aabb> boxes;
         std::vector<ScreenBounds> bounds;

@@ -7,7 +7,7 @@
 #pragma once
 
 #include <occlude/cull/culler.h>
-#include <occlude/cull/frustum_walk.h>
+#include <occlude/cull/parts/frustum_walk.h>
 
 namespace occlude {
 

@@ -233,7 +233,8 @@ const ScreenBox& LazyGrid::faces()
     return *faces_;
 }
 
-// True if nothing of the box in `part` of the cell can be seen, by what its faces and the cell tell.
+// True if nothing of the box in `part` of the cell can be seen, by what its faces and the cell
+// tell.
 bool LazyGrid::faces_are_behind(const OcclusionGrid::Cell& cell, const PixelRect& part)
 {
     return tested_ != nullptr &&
@@ -319,8 +320,8 @@ bool LazyGrid::any_cell_is_free_with_pixel_query(CullFrame& frame, NodeId subjec
     });
 }
 
-// The first half of isOccluded: what the grid knows. Fills internal_ and border_ with the cells that
-// must be asked otherwise.
+// The first half of isOccluded: what the grid knows. Fills internal_ and border_ with the cells
+// that must be asked otherwise.
 LazyGrid::Verdict LazyGrid::verdict_without_pixels(const Entry& entry)
 {
     if (!entry.bounds.valid) {
@@ -422,8 +423,8 @@ void LazyGrid::test(CullFrame& frame, const Entry& entry)
     }
 }
 
-// All of them first, so that nothing is drawn between one look at pixels and the next. The device can
-// draw what they reveal while the next ones are found.
+// All of them first, so that nothing is drawn between one look at pixels and the next. The device
+// can draw what they reveal while the next ones are found.
 void LazyGrid::test_waiting(CullFrame& frame)
 {
     verdicts_.clear();

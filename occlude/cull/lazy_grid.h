@@ -32,11 +32,11 @@
 //             device to finish. A cell asked costs the reading of at most cell_size^2 pixels.
 #pragma once
 
-#include <occlude/core/projection.h>
-#include <occlude/core/screen_box.h>
-#include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
-#include <occlude/cull/occlusion_grid.h>
+#include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/occlusion_grid.h>
+#include <occlude/screen/projection.h>
+#include <occlude/screen/screen_box.h>
 
 #include <array>
 #include <cstdint>

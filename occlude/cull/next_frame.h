@@ -26,7 +26,7 @@
 #pragma once
 
 #include <occlude/cull/culler.h>
-#include <occlude/cull/object_tests.h>
+#include <occlude/cull/parts/object_tests.h>
 
 #include <array>
 #include <cstdint>

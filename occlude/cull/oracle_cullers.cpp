@@ -1,6 +1,6 @@
 #include <occlude/cull/oracle_cullers.h>
 
-#include <occlude/cull/cull_frame.h>
+#include <occlude/cull/parts/cull_frame.h>
 
 #include <algorithm>
 #include <utility>

@@ -5,7 +5,8 @@
 //          box test over this hierarchy can reach. (Mattausch, Bittner, Wimmer 2008 compare with
 //          it; it is not the optimum of a cost model that other papers call OPT.)
 //   ideal  draws exactly the items that own at least one pixel: the exact visible set, which no box
-//          can reach; and the translucent items in the frustum, which own none. The distance from opt to ideal is the looseness of the boxes.
+//          can reach; and the translucent items in the frustum, which own none. The distance from
+//          opt to ideal is the looseness of the boxes.
 //
 // Guarantees  exact. Neither issues a test in cull(); record() finds the answer beforehand,
 // untimed.

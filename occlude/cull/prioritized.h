@@ -17,15 +17,16 @@
 //             what is in them, in batches: never more tests than occupied cells.
 // Guarantees  approximate, with nothing promised of what is missing; exact with `finish`, as then
 //             every item in the frustum is drawn, or all its cells were found hidden in this frame.
-// Cost        the budget, in triangles or in milliseconds of the clock, overrun by at most a cell or by
+// Cost        the budget, in triangles or in milliseconds of the clock, overrun by at most a cell
+// or by
 //             `chunk_triangles`. One step per cell of the grid, empty ones included. With
 //             `finish`, one test per cell that the budget left out, and what they reveal.
 #pragma once
 
-#include <occlude/cull/cell_grid.h>
-#include <occlude/cull/clock.h>
-#include <occlude/cull/cull_frame.h>
+#include <occlude/core/clock.h>
 #include <occlude/cull/culler.h>
+#include <occlude/cull/parts/cell_grid.h>
+#include <occlude/cull/parts/cull_frame.h>
 
 #include <cstdint>
 #include <vector>

@@ -15,7 +15,7 @@
 #include <occlude/cull/two_level.h>
 #include <occlude/cull/two_phase.h>
 #include <occlude/cull/uniform_grid.h>
-#include <occlude/hierarchy/hierarchy_kinds.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include <algorithm>
 #include <array>

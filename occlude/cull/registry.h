@@ -2,9 +2,9 @@
 // `--set` are made of.
 #pragma once
 
+#include <occlude/core/clock.h>
 #include <occlude/core/option_text.h>
 #include <occlude/core/result.h>
-#include <occlude/cull/clock.h>
 #include <occlude/cull/culler.h>
 
 #include <memory>
@@ -31,7 +31,8 @@ struct AlgorithmInfo {
     bool remembers = true; ///< what it saw in a frame changes what it does in later ones
     Needs needs;
     /// The kinds of hierarchies that suit it (hierarchy_kinds.h), in their order; on the others it
-    /// is right, but not what it could be. Empty: it makes no use of nodes, and all kinds are alike.
+    /// is right, but not what it could be. Empty: it makes no use of nodes, and all kinds are
+    /// alike.
     std::vector<std::string> hierarchies;
     std::vector<OptionInfo> options;
     Result<std::unique_ptr<Culler>> (*make)(const Hierarchy&, std::span<const OptionValue>,
@@ -46,7 +47,8 @@ const AlgorithmInfo* find_algorithm(std::string_view name);
 
 /// A culler by name. `clock` is for options that count in time (`prioritized.budget_time`,
 /// `statistical.time`) and for `adaptive`, which measures by it; it is not asked otherwise, so that
-/// runs repeat, and without it they do nothing. Errors name the unknown algorithm or option and list what there is.
+/// runs repeat, and without it they do nothing. Errors name the unknown algorithm or option and
+/// list what there is.
 Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
                                             std::span<const OptionValue> options = {},
                                             SecondsClock clock = {});

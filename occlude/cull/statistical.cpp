@@ -1,7 +1,7 @@
 #include <occlude/cull/statistical.h>
 
 #include <occlude/core/rng.h>
-#include <occlude/cull/near_to_far.h>
+#include <occlude/cull/parts/near_to_far.h>
 
 #include <algorithm>
 #include <bit>

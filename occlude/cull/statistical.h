@@ -32,10 +32,10 @@
 //             hidden is drawn for up to 2 * BASE_TIME more: more triangles than other exact ways.
 #pragma once
 
-#include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
-#include <occlude/cull/fifo.h>
-#include <occlude/cull/node_list.h>
+#include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/fifo.h>
+#include <occlude/cull/parts/node_list.h>
 
 #include <array>
 #include <cstdint>

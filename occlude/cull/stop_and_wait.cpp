@@ -1,7 +1,7 @@
 #include <occlude/cull/stop_and_wait.h>
 
-#include <occlude/cull/cull_frame.h>
-#include <occlude/cull/near_to_far.h>
+#include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/near_to_far.h>
 
 namespace occlude {
 

@@ -3,13 +3,13 @@
 // they have been visible.
 //
 // Implements  V. Kovalcik, P. Tobola, "Fast Rendering of Complex Dynamic Scenes",
-//             sections 3.3 and 3.4. The trees are hierarchy/two_level.h.
+//             sections 3.3 and 3.4. The trees are hierarchy/builders/two_level.h.
 // Map         Algorithm 2, rendering of a frame -> TwoLevel::cull_frame, finish_queries,
 //                                                  process_active
 //             Algorithm 3, FirstVisibilityTest  -> first_visibility_test, postponement
 //             Algorithm 4, ProcessVisibleNode   -> process_visible_node
 //             list sorted by distance           -> insert, is_nearer
-//             non-intersecting rectangles       -> overlaps_pending, core/projection.h
+//             non-intersecting rectangles       -> overlaps_pending, screen/projection.h
 // Deviations  Limits that the paper leaves out are options: max_pending, history_length,
 //             frames_per_visible, max_postponed. The list is sorted by the distance of the boxes
 //             throughout; the paper sorts "approximately", the children of a node in its place.
@@ -27,10 +27,10 @@
 //             without oriented boxes.
 #pragma once
 
-#include <occlude/core/projection.h>
 #include <occlude/cull/chc_plus_plus_math.h>
-#include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
+#include <occlude/cull/parts/cull_frame.h>
+#include <occlude/screen/projection.h>
 
 #include <cstdint>
 #include <span>
@@ -46,7 +46,8 @@ struct TwoLevelCullOptions {
     uint32_t max_pending = 256;
     /// How many of its last results a node remembers: 1 to 32.
     uint32_t history_length = 8;
-    /// The test of a visible node is postponed by this many frames for each "visible" among them ...
+    /// The test of a visible node is postponed by this many frames for each "visible" among them
+    /// ...
     uint32_t frames_per_visible = 12;
     /// ... up to this many. 0: every node is tested in every frame.
     uint32_t max_postponed = 48;

@@ -6,8 +6,8 @@ namespace occlude {
 
 namespace {
 
-// Drawing a triangle costs as much as looking at some texels: the faces of a box are tested with half
-// a texel per triangle, in these bounds.
+// Drawing a triangle costs as much as looking at some texels: the faces of a box are tested with
+// half a texel per triangle, in these bounds.
 constexpr uint64_t kLeastTexels = 32;
 constexpr uint64_t kMostTexels = 4096;
 

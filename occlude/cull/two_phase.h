@@ -7,11 +7,13 @@
 //             build the depth pyramid                   -> DepthTests::read
 //             phase 2, test and draw the rest           -> test_candidates, reveal
 //             the visible set of the next frame         -> retest
-// Deviations  The pyramid is built on the CPU from one read-back of the target, and boxes are tested
+// Deviations  The pyramid is built on the CPU from one read-back of the target, and boxes are
+// tested
 //             there: by their rectangles, and then by their faces. Tests are hierarchical: the
 //             traversal starts from the cut of the last frame (cut_culler.h), and a hidden node
 //             hides its subtree. Phase 2 reads depth again after `reread_triangles` newly visible
-//             triangles, so that a camera cut, where phase 1 draws nothing, is not drawn as a whole.
+//             triangles, so that a camera cut, where phase 1 draws nothing, is not drawn as a
+//             whole.
 // Guarantees  exact: every item in the frustum is drawn, or lies in a node or is one that was, in
 //             this frame, wholly behind what was drawn. What is drawn in phase 1 and hidden now
 //             costs time, never pixels, and is dropped in the next frame.

@@ -17,9 +17,9 @@
 //             per slab. Items that move make all cells be built again.
 #pragma once
 
-#include <occlude/cull/cell_grid.h>
-#include <occlude/cull/cull_frame.h>
 #include <occlude/cull/culler.h>
+#include <occlude/cull/parts/cell_grid.h>
+#include <occlude/cull/parts/cull_frame.h>
 
 #include <cstdint>
 #include <vector>

@@ -1,7 +1,8 @@
 // A device whose work takes the time that a model says, on a clock of its own: how would algorithms
 // do on hardware with other costs than this machine's? The same answer in every run.
 //
-//   host     the program's time. Verbs take none of it; poll(), wait(), read_depth() and the end of a
+//   host     the program's time. Verbs take none of it; poll(), wait(), read_depth() and the end of
+//   a
 //            frame do.
 //   device   works through what it was given in order, beginning at once. wait() and read_depth()
 //            bring the host to the moment when the device has come so far, and the answer has come
@@ -9,7 +10,7 @@
 #pragma once
 
 #include <occlude/core/query_device.h>
-#include <occlude/device/ticket_table.h>
+#include <occlude/core/ticket_table.h>
 
 #include <cstdint>
 #include <span>

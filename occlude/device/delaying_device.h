@@ -3,7 +3,7 @@
 #pragma once
 
 #include <occlude/core/query_device.h>
-#include <occlude/device/ticket_table.h>
+#include <occlude/core/ticket_table.h>
 
 namespace occlude {
 

@@ -4,8 +4,8 @@
 
 #include <occlude/core/query_device.h>
 #include <occlude/core/result.h>
+#include <occlude/core/ticket_table.h>
 #include <occlude/device/device_verb.h>
-#include <occlude/device/ticket_table.h>
 
 #include <iosfwd>
 #include <map>

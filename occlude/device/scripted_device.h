@@ -8,8 +8,8 @@
 #pragma once
 
 #include <occlude/core/query_device.h>
+#include <occlude/core/ticket_table.h>
 #include <occlude/device/device_verb.h>
-#include <occlude/device/ticket_table.h>
 
 #include <functional>
 #include <string>

@@ -134,9 +134,9 @@ public:
 
     /// Takes new boxes, triangle counts and flags of all items, indexed by ItemId, and refits all
     /// nodes bottom-up, keeping the structure and the virtual leaves. An item with an empty box is
-    /// never drawn: so objects can vanish, and their ids be given to others, without a new structure.
-    /// An item beyond the end of `bounds_by_item` becomes unbounded and keeps the rest (and is a
-    /// caller's bug). O(items + nodes).
+    /// never drawn: so objects can vanish, and their ids be given to others, without a new
+    /// structure. An item beyond the end of `bounds_by_item` becomes unbounded and keeps the rest
+    /// (and is a caller's bug). O(items + nodes).
     void refit(std::span<const ItemBounds> bounds_by_item);
 
     /// The same where only the items in `moved` have changed (each of them in the hierarchy; naming
@@ -149,8 +149,8 @@ public:
     void refit(std::span<const ItemId> moved, std::span<const ItemBounds> bounds_by_item,
                std::vector<NodeId>* changed = nullptr);
 
-    /// Bytes of nodes, items and bounds, and of what partial refits have added. Counts what is used,
-    /// not what vectors hold in reserve.
+    /// Bytes of nodes, items and bounds, and of what partial refits have added. Counts what is
+    /// used, not what vectors hold in reserve.
     size_t memory_bytes() const;
 
     /// Tighter bounds of some items (item_shapes.h), for the cullers that use them; null: none.

@@ -28,8 +28,8 @@ struct PlayingAnimation {
     float weight = 1.0f;              ///< of the blend; 0 or less: it does not count
 };
 
-/// The box of an animation from the boxes of its frames. `root_translations` has one entry per frame,
-/// or is empty for an animation that is made in place already. O(frames).
+/// The box of an animation from the boxes of its frames. `root_translations` has one entry per
+/// frame, or is empty for an animation that is made in place already. O(frames).
 AnimationBounds make_animation_bounds(std::span<const Aabb> frame_boxes,
                                       std::span<const glm::vec3> root_translations = {});
 

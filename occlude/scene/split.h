@@ -4,11 +4,13 @@
 //             section 3.1, object partitioning.
 // Map         "divided recursively by planes until the number of triangles drops below a threshold"
 //             -> split_triangles
-// Deviations  The paper does not say where the planes go: at the place of least surface area heuristic
+// Deviations  The paper does not say where the planes go: at the place of least surface area
+// heuristic
 //             among borders of triangles, so that meshes with axis-aligned faces are hardly cut.
-// Guarantees  Watertight: an edge is cut at most once, at one point, and every triangle with that edge,
-//             on whichever side of whichever plane, gets that point as a corner, bit by bit. So edges
-//             that met before meet afterwards, without T-junctions. Corners keep their order.
+// Guarantees  Watertight: an edge is cut at most once, at one point, and every triangle with that
+// edge,
+//             on whichever side of whichever plane, gets that point as a corner, bit by bit. So
+//             edges that met before meet afterwards, without T-junctions. Corners keep their order.
 //             Deterministic.
 //             NOT guaranteed is the very same image: a cut triangle's new corners are rounded to
 //             float, and rasterisers snap them, so that a sample within a rounding of an edge, or a
@@ -17,7 +19,7 @@
 // Cost        O(n log^2 n) for n triangles; 70,000 in about a second.
 #pragma once
 
-#include <occlude/hierarchy/two_level.h>
+#include <occlude/hierarchy/builders/two_level.h>
 #include <occlude/scene/partition.h>
 
 #include <glm/vec3.hpp>
@@ -37,11 +39,11 @@ struct SplitMesh {
     uint32_t cut_triangles = 0;       ///< how many triangles there are more than before
 };
 
-/// The triangles of `indices` (three per triangle), cut into parts of about `max_triangles` at most:
-/// more where no plane makes a part smaller, and a few more where a neighbour's cuts added corners.
-/// Normals are interpolated along the cut edges. No plane cuts a triangle with
-/// coordinates that are not finite; triangles that shrink to a line or a point when cut are dropped. Preconditions: every
-/// index is in `positions`, as many normals as positions, max_triangles > 0.
+/// The triangles of `indices` (three per triangle), cut into parts of about `max_triangles` at
+/// most: more where no plane makes a part smaller, and a few more where a neighbour's cuts added
+/// corners. Normals are interpolated along the cut edges. No plane cuts a triangle with coordinates
+/// that are not finite; triangles that shrink to a line or a point when cut are dropped.
+/// Preconditions: every index is in `positions`, as many normals as positions, max_triangles > 0.
 SplitMesh split_triangles(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                           std::span<const uint32_t> indices, uint32_t max_triangles);
 

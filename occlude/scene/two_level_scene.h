@@ -1,7 +1,7 @@
 // Keeps a two-level tree in step with a scene whose objects come, go and move.
 #pragma once
 
-#include <occlude/hierarchy/two_level.h>
+#include <occlude/hierarchy/builders/two_level.h>
 #include <occlude/scene/scene.h>
 
 namespace occlude {
@@ -20,9 +20,8 @@ public:
     }
 
     /// Takes over what was added, moved and removed since the last call, and updates the tree. Call
-    /// it once per frame, always with the same scene, which must stay where it is: the tree knows its
-    /// shapes. Nothing moved: O(1), else O(items) and what
-    /// TwoLevelTree::update() costs.
+    /// it once per frame, always with the same scene, which must stay where it is: the tree knows
+    /// its shapes. Nothing moved: O(1), else O(items) and what TwoLevelTree::update() costs.
     void sync(const Scene& scene);
 
     const TwoLevelTree& tree() const { return tree_; }

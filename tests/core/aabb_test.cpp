@@ -1,6 +1,6 @@
 #include <occlude/core/aabb.h>
 
-#include "core/projections.h"
+#include "screen/projections.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include <occlude/core/frustum.h>
 
-#include "core/projections.h"
+#include "screen/projections.h"
 
 #include <occlude/core/rng.h>
 

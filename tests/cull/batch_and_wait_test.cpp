@@ -113,7 +113,8 @@ TEST(BatchAndWait, ThresholdMakesItApproximate)
 
 TEST(ObjectTests, AVirtualLeafIsTestedByItsDescendantsBoxes)
 {
-    // Two small boxes far apart: the sum of their surfaces is far below that of the box around both.
+    // Two small boxes far apart: the sum of their surfaces is far below that of the box around
+    // both.
     const std::vector<ItemBounds> pair{{{{-5.0f, -1.0f, -21.0f}, {-4.0f, 0.0f, -20.0f}}, 10},
                                        {{{4.0f, 0.0f, -31.0f}, {5.0f, 1.0f, -30.0f}}, 10}};
     const Hierarchy tree = build_bvh(pair, {.max_leaf_items = 1, .leaf_triangles = 100});

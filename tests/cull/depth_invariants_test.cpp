@@ -1,9 +1,9 @@
 // What must hold after every frame of every algorithm that reads depth instead of asking tests: the
 // counterpart of invariants_test.cpp, over a device whose depth is made up but consistent: it only
 // ever comes nearer within a frame. (The image itself is in exactness_test.cpp.)
-#include <occlude/core/projection.h>
-#include <occlude/core/screen_box.h>
 #include <occlude/cull/registry.h>
+#include <occlude/screen/projection.h>
+#include <occlude/screen/screen_box.h>
 
 #include "support/walks.h"
 

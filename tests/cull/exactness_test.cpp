@@ -5,7 +5,7 @@
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/registry.h>
 #include <occlude/device/delaying_device.h>
-#include <occlude/hierarchy/hierarchy_kinds.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include "support/trees.h"
 

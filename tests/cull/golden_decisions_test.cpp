@@ -1,8 +1,8 @@
-// The decisions of every algorithm on a made-up walk, as one hash each: the same from every compiler,
-// build type and number of threads. A change here is a change of what algorithms decide: promote a new
-// value only with the reason in the commit message.
+// The decisions of every algorithm on a made-up walk, as one hash each: the same from every
+// compiler, build type and number of threads. A change here is a change of what algorithms decide:
+// promote a new value only with the reason in the commit message.
 #include <occlude/cull/registry.h>
-#include <occlude/hierarchy/hierarchy_kinds.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include "support/visibility_script.h"
 #include "support/walks.h"

@@ -11,7 +11,7 @@
 #include <occlude/device/counting_device.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/device/validating_device.h>
-#include <occlude/hierarchy/hierarchy_kinds.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include <gtest/gtest.h>
 

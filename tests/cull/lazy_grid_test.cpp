@@ -300,8 +300,8 @@ TEST(LazyGrid, AWholeBorderCellIsAskedOnceAndRemembered)
     EXPECT_EQ(horizon.counters.items_drawn, 1u);
 }
 
-// A box to the right of the eye and above it. Of its rectangle, the corner at the upper left and that
-// at the lower right show what is beside it: there, pixels are free after item 0 was drawn.
+// A box to the right of the eye and above it. Of its rectangle, the corner at the upper left and
+// that at the lower right show what is beside it: there, pixels are free after item 0 was drawn.
 TEST(LazyGrid, WhereABoxIsNotInItsRectangleFreePixelsDoNotMakeItVisible)
 {
     const std::vector<ItemBounds> items{{{{-2, -2, -6}, {6, 4, -5}}, 100},

@@ -2,9 +2,9 @@
 
 #include "support/trees.h"
 
-#include <occlude/cull/decision_log.h>
+#include <occlude/cull/parts/decision_log.h>
 #include <occlude/device/scripted_device.h>
-#include <occlude/hierarchy/hierarchy_kinds.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include <gtest/gtest.h>
 

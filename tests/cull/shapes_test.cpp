@@ -1,6 +1,6 @@
 // Shapes: items whose boxes are seen while the boxes they consist of are not.
 #include <occlude/cull/adaptive.h>
-#include <occlude/cull/depth_tests.h>
+#include <occlude/cull/parts/depth_tests.h>
 #include <occlude/cull/registry.h>
 #include <occlude/cull/two_phase.h>
 #include <occlude/hierarchy/item_shapes.h>
@@ -27,8 +27,9 @@ using test::look_ahead;
 
 constexpr float kFree = 1.0f;
 
-// An item, another before it that is always seen, and a depth that is near to the left of a pixel column and free from there on. The
-// picture is 64 pixels wide and looks ahead: at distance 10, column 32 + 3.2 x is at x.
+// An item, another before it that is always seen, and a depth that is near to the left of a pixel
+// column and free from there on. The picture is 64 pixels wide and looks ahead: at distance 10,
+// column 32 + 3.2 x is at x.
 class Shapes : public ::testing::TestWithParam<const char*> {
 protected:
     Shapes()
@@ -88,8 +89,8 @@ protected:
     std::optional<ScriptedDevice> device_;
 };
 
-// An upright bar to the left and a lying one at the bottom: seen only above the lying one and beside
-// the upright one, where nothing is.
+// An upright bar to the left and a lying one at the bottom: seen only above the lying one and
+// beside the upright one, where nothing is.
 const Shape kL{{{-1.0f, -1.0f, -10.5f}, {-0.6f, 1.0f, -10.0f}},
                {{-1.0f, -1.0f, -10.5f}, {1.0f, -0.6f, -10.0f}}};
 
@@ -204,10 +205,11 @@ TEST_P(Shapes, UnderAMapWithoutAnInverseTheyAreSeen)
     EXPECT_TRUE(drawn());
 }
 
-// --- on the CPU device: the picture ---------------------------------------------------------------
+// --- on the CPU device: the picture
+// ---------------------------------------------------------------
 
-// Objects that are open frames: four bars around nothing, each a box of twelve triangles, turned and
-// stretched any way. They turn on in every frame, and some make room for others.
+// Objects that are open frames: four bars around nothing, each a box of twelve triangles, turned
+// and stretched any way. They turn on in every frame, and some make room for others.
 class Frames final : public CpuScene {
 public:
     explicit Frames(uint32_t count)

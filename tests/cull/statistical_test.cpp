@@ -5,7 +5,7 @@
 
 #include <occlude/cull/stop_and_wait.h>
 #include <occlude/device/scripted_device.h>
-#include <occlude/hierarchy/bsp_builder.h>
+#include <occlude/hierarchy/builders/bsp_builder.h>
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <occlude/cull/registry.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/device/validating_device.h>
-#include <occlude/hierarchy/two_level.h>
+#include <occlude/hierarchy/builders/two_level.h>
 
 #include <glm/ext/matrix_transform.hpp>
 

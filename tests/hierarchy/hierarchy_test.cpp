@@ -1,7 +1,7 @@
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <occlude/core/assert.h>
-#include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include "hierarchy/scenes.h"
 

@@ -1,8 +1,8 @@
 // Refits of the few items that moved: bit for bit those of all items.
 #include "hierarchy/scenes.h"
 
-#include <occlude/hierarchy/bvh_builder.h>
-#include <occlude/hierarchy/hierarchy_kinds.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include <gtest/gtest.h>
 

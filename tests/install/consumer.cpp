@@ -1,6 +1,6 @@
 // The least a user of the installed library does: two objects, a hierarchy, a view.
 #include <occlude/core/view.h>
-#include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 #include <occlude/scene/scene.h>
 
 #include <glm/ext/matrix_clip_space.hpp>

@@ -1,10 +1,10 @@
-// What the library takes of memory, and how often it asks for some: this program replaces the global
-// operator new and counts.
+// What the library takes of memory, and how often it asks for some: this program replaces the
+// global operator new and counts.
 #include "support/walks.h"
 
 #include <occlude/core/assert.h>
 #include <occlude/cull/registry.h>
-#include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 #include <occlude/scene/scene.h>
 
 #include <gtest/gtest.h>
@@ -49,8 +49,8 @@ namespace {
 
 constexpr uint64_t kRound = 16; // frames of the walk, which goes round and round
 
-// Finds inner nodes visible and a made-up third of the leaves, another third every few frames of the
-// walk. Allocates nothing.
+// Finds inner nodes visible and a made-up third of the leaves, another third every few frames of
+// the walk. Allocates nothing.
 class QuietDevice final : public QueryDevice {
 public:
     explicit QuietDevice(const Hierarchy& hierarchy)

@@ -11,9 +11,15 @@ import check_includes  # noqa: E402
 LAWFUL = {
     "occlude/core/view.h": "#include <glm/vec3.hpp>\n#include <vector>\n",
     "occlude/hierarchy/hierarchy.h": "#include <occlude/core/view.h>\n",
-    "occlude/hierarchy/bvh.cpp": "#include <tbb/parallel_for.h>\n#include <thread>\n",
+    "occlude/screen/projection.h": "#include <occlude/core/view.h>\n",
+    "occlude/hierarchy/builders/bvh.h": "",
+    "occlude/hierarchy/builders/bvh.cpp": (
+        "#include <occlude/hierarchy/hierarchy.h>\n#include <tbb/parallel_for.h>\n#include <thread>\n"
+    ),
     "occlude/scene/scene.h": "#include <occlude/hierarchy/hierarchy.h>\n",
-    "occlude/cull/culler.h": "#include <occlude/hierarchy/hierarchy.h>\n",
+    "occlude/cull/parts/frame.h": "#include <occlude/hierarchy/hierarchy.h>\n",
+    "occlude/cull/adaptive/planner.h": "#include <occlude/cull/parts/frame.h>\n",
+    "occlude/cull/culler.h": "#include <occlude/cull/adaptive/planner.h>\n",
     "occlude/cull/culler.cpp": (
         "static constexpr int kLimit = 3;\n"
         "static const float kSlop{0.5f};\n"
@@ -23,7 +29,10 @@ LAWFUL = {
     "occlude/device/scripted.h": "#include <occlude/core/view.h>\n",
     "occlude/backends/gl/gl_device.cpp": "#include <epoxy/gl.h>\n",
     "occlude/backends/gl/detail/api.h": "#include <epoxy/gl.h>\n",
-    "occlude/backends/cpu/raster.cpp": "#include <occlude/core/view.h>\n",
+    "occlude/backends/cpu/raster.cpp": "#include <occlude/screen/projection.h>\n",
+    "tools/model/scene.h": "#include <occlude/core/view.h>\n",
+    "tools/load/loader.cpp": '#include "model/scene.h"\n#include <assimp/scene.h>\n',
+    "tools/main.cpp": '#include "load/loader.cpp"\n',
 }
 
 
@@ -50,6 +59,34 @@ class CheckIncludes(unittest.TestCase):
     def test_core_includes_no_other_room(self):
         text = "#include <occlude/hierarchy/hierarchy.h>\n"
         self.assert_one("occlude/core/bad.h", text, "core must not include hierarchy")
+
+    def test_core_does_not_know_the_screen(self):
+        text = "#include <occlude/screen/projection.h>\n"
+        self.assert_one("occlude/core/bad.h", text, "core must not include screen")
+
+    def test_hierarchy_does_not_know_its_builders(self):
+        text = "#include <occlude/hierarchy/builders/bvh.h>\n"
+        self.assert_one(
+            "occlude/hierarchy/bad.h", text, "hierarchy must not include hierarchy/builders"
+        )
+
+    def test_parts_do_not_know_the_algorithms(self):
+        text = "#include <occlude/cull/culler.h>\n"
+        for part in ("parts", "adaptive"):
+            self.assert_one(f"occlude/cull/{part}/bad.h", text, f"cull/{part} must not include cull")
+
+    def test_tools_have_rooms_without_circles(self):
+        self.assert_one(
+            "tools/model/bad.cpp", '#include "load/loader.cpp"\n', "must not include tools/load"
+        )
+        self.assert_one("tools/model/bad.cpp", '#include "model/gone.h"\n', "does not exist")
+        self.assert_one("tools/misc/bad.cpp", "\n", "not a room of the program")
+
+    def test_no_law_goes_in_circles(self):
+        for law in (check_includes.ALLOWED, check_includes.TOOLS_ALLOWED):
+            for room, targets in law.items():
+                for target in targets - {room}:
+                    self.assertNotIn(room, law[target], f"{room} and {target}")
 
     def test_hierarchy_does_not_know_scenes(self):
         text = "#include <occlude/scene/scene.h>\n"
@@ -94,7 +131,7 @@ class CheckIncludes(unittest.TestCase):
         text = "#include <epoxy/gl.h>\n"
         self.assert_one("occlude/backends/gl/bad.h", text, "GLM and std only")
         text = "#include <tbb/task_group.h>\n"
-        self.assert_one("occlude/hierarchy/bad.h", text, "GLM and std only")
+        self.assert_one("occlude/hierarchy/builders/bad.h", text, "GLM and std only")
 
     def test_public_headers_reach_no_third_party_type_through_private_ones(self):
         text = "#include <occlude/backends/gl/detail/api.h>\n"

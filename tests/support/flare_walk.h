@@ -3,7 +3,7 @@
 
 #include "support/trees.h"
 
-#include <occlude/cull/flare_visibility.h>
+#include <occlude/effects/flare_visibility.h>
 
 #include <algorithm>
 #include <cmath>

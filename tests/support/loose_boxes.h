@@ -7,8 +7,8 @@
 
 namespace occlude::test {
 
-/// Nodes of a two-level tree whose test box is not the box around their contents. Where no object is
-/// turned, those are the restless ones.
+/// Nodes of a two-level tree whose test box is not the box around their contents. Where no object
+/// is turned, those are the restless ones.
 inline size_t loose_boxes(const Hierarchy& tree)
 {
     size_t count = 0;

@@ -3,7 +3,7 @@
 
 #include <occlude/core/rng.h>
 #include <occlude/core/view.h>
-#include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <glm/ext/matrix_clip_space.hpp>

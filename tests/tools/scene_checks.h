@@ -1,8 +1,9 @@
 // What every generated scene must be: repeatable, sound, and passable along its paths.
 #pragma once
 
+#include "generate/scene_source.h"
 #include "measure/stage.h"
-#include "scenes/scene_source.h"
+#include "walk/paths.h"
 
 #include <occlude/core/rng.h>
 
@@ -163,9 +164,9 @@ inline std::vector<Keyframe> keys_of(const SceneModel& model, const std::string&
     return {Keyframe{}};
 }
 
-/// Along the whole path no triangle comes between two places of the eye or within `clearance` of it,
-/// and the camera neither jumps nor turns by more than `most_degrees` within a sixtieth of the path,
-/// or half a metre if that is more frames.
+/// Along the whole path no triangle comes between two places of the eye or within `clearance` of
+/// it, and the camera neither jumps nor turns by more than `most_degrees` within a sixtieth of the
+/// path, or half a metre if that is more frames.
 inline void expect_free_and_smooth(const SceneModel& model, const std::string& path,
                                    float clearance, float most_degrees = 15.0f)
 {

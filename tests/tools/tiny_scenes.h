@@ -2,11 +2,12 @@
 #pragma once
 
 #include "measure/stage.h"
-#include "scenes/scene_model.h"
+#include "model/scene_model.h"
 
-#include <occlude/cull/cull_frame.h>
+#include <occlude/core/result.h>
+#include <occlude/cull/parts/cull_frame.h>
 #include <occlude/cull/registry.h>
-#include <occlude/hierarchy/bvh_builder.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>
@@ -82,8 +83,8 @@ inline Contender registered(const std::string& name)
     return {name, [name](const Hierarchy& hierarchy) { return make_culler(name, hierarchy); }};
 }
 
-/// Draws all leaves in the frustum except the one that holds `dropped`, which it calls hidden: wrong
-/// whenever that item can be seen.
+/// Draws all leaves in the frustum except the one that holds `dropped`, which it calls hidden:
+/// wrong whenever that item can be seen.
 class DroppingCuller final : public Culler {
 public:
     DroppingCuller(const Hierarchy& hierarchy, ItemId dropped)

@@ -1,8 +1,10 @@
 // The subcommands. Each returns the exit code, or the error that the program ends with.
 #pragma once
 
-#include "commands/options.h"
 #include "commands/progress.h"
+#include "options/options.h"
+
+#include <occlude/core/result.h>
 
 #include <iosfwd>
 

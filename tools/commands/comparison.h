@@ -4,8 +4,10 @@
 #include "commands/commands.h"
 #include "commands/contenders.h"
 #include "commands/session.h"
+#include "files/output_file.h"
 #include "report/bench_document.h"
-#include "report/output_file.h"
+
+#include <occlude/core/result.h>
 
 #include <optional>
 

@@ -1,7 +1,7 @@
 #include "commands/contenders.h"
 
 #include <occlude/cull/registry.h>
-#include <occlude/hierarchy/hierarchy_kinds.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include <fmt/format.h>
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "commands/hierarchies.h"
-#include "commands/options.h"
 #include "measure/stage.h"
 #include "measure/timing_device.h"
+#include "options/options.h"
+
+#include <occlude/core/result.h>
 
 namespace occlude::tools {
 

@@ -1,8 +1,8 @@
 #include "commands/commands.h"
 
-#include "report/output_file.h"
-#include "scenes/glb_writer.h"
-#include "scenes/scene_source.h"
+#include "files/output_file.h"
+#include "generate/scene_source.h"
+#include "load/glb_writer.h"
 
 #include <fmt/format.h>
 

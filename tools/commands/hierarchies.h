@@ -1,7 +1,9 @@
 // From --hierarchy and --set to trees that can be built.
 #pragma once
 
-#include "commands/options.h"
+#include "options/options.h"
+
+#include <occlude/core/result.h>
 
 #include <span>
 
@@ -24,7 +26,8 @@ Result<std::vector<HierarchyChoice>> choose_hierarchies(std::string_view text,
 /// "bvh, bsp": the names that --hierarchy takes.
 std::string hierarchy_names();
 
-/// How --set names a kind of hierarchy: by its name, or as NAME_tree where an algorithm has that name.
+/// How --set names a kind of hierarchy: by its name, or as NAME_tree where an algorithm has that
+/// name.
 std::string tree_set_name(std::string_view kind);
 
 } // namespace occlude::tools

@@ -1,11 +1,12 @@
 #include "commands/commands.h"
 
 #include "commands/hierarchies.h"
+#include "generate/scene_source.h"
 #include "report/table.h"
-#include "scenes/scene_source.h"
+#include "walk/paths.h"
 
 #include <occlude/cull/registry.h>
-#include <occlude/hierarchy/hierarchy_kinds.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include <fmt/format.h>
 

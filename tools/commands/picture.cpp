@@ -1,4 +1,5 @@
 #include "commands/picture.h"
+#include "walk/paths.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>

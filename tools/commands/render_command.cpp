@@ -1,8 +1,8 @@
 #include "commands/commands.h"
 #include "commands/contenders.h"
 #include "commands/picture.h"
+#include "files/output_file.h"
 #include "render/image.h"
-#include "report/output_file.h"
 #include "report/table.h"
 
 #include <occlude/cull/registry.h>

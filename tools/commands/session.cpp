@@ -1,10 +1,12 @@
 #include "commands/session.h"
 
+#include "generate/scene_source.h"
 #include "measure/timing_device.h"
-#include "scenes/exact_split.h"
-#include "scenes/paths.h"
+#include "model/exact_split.h"
+#include "model/scene_options.h"
+#include "walk/paths.h"
 
-#include <occlude/hierarchy/hierarchy_kinds.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include <fmt/format.h>
 

@@ -2,11 +2,12 @@
 #pragma once
 
 #include "commands/hierarchies.h"
-#include "commands/options.h"
 #include "measure/motion_player.h"
 #include "measure/stage.h"
+#include "options/options.h"
 #include "report/bench_document.h"
 
+#include <occlude/core/result.h>
 #include <occlude/scene/two_level_scene.h>
 
 #include <iosfwd>

@@ -2,8 +2,8 @@
 #include "measure/measure.h"
 #include "measure/verify.h"
 #include "report/json_report.h"
-#include "report/papers_report.h"
 #include "report/table.h"
+#include "suites/papers_report.h"
 #include "suites/suite.h"
 #include "suites/suite_results.h"
 

@@ -68,8 +68,8 @@ private:
         return owners_of_pixels(stage_.renderer.render_ids(views_[frame], items));
     }
 
-    // Every frame to its end, as those that are timed: a target cleared before it was drawn is never
-    // drawn, and the first that is timed would pay for what comes but once.
+    // Every frame to its end, as those that are timed: a target cleared before it was drawn is
+    // never drawn, and the first that is timed would pay for what comes but once.
     void warm_up()
     {
         stage_.renderer.warm_up();

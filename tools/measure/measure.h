@@ -3,13 +3,15 @@
 //
 // One timed frame is: finish; start; cull(); finish; stop. Everything else (telling `opt` and
 // `ideal` the answer, the id buffer, hashes) happens outside of it. Each algorithm has its own
-// culler, so no algorithm sees another's frames. Where things move, all algorithms see the same state
-// of a frame, and every repeat plays the motion from its beginning.
+// culler, so no algorithm sees another's frames. Where things move, all algorithms see the same
+// state of a frame, and every repeat plays the motion from its beginning.
 #pragma once
 
 #include "measure/run.h"
 #include "measure/stage.h"
 #include "measure/timing_device.h"
+
+#include <occlude/core/result.h>
 
 namespace occlude::tools {
 

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "measure/moving_tree.h"
+#include "model/scene_model.h"
 #include "render/scene_renderer.h"
-#include "scenes/scene_model.h"
 
 #include <vector>
 
@@ -19,12 +19,13 @@ public:
     MotionPlayer(const SceneModel& model, CullScene& scene, MovingTree& tree,
                  SceneRenderer& renderer);
 
-    /// Brings everything to the state of `frame`. Frame 0, and any frame before the last one, begins
-    /// anew: the same frames in the same order give the same ids, trees and images.
+    /// Brings everything to the state of `frame`. Frame 0, and any frame before the last one,
+    /// begins anew: the same frames in the same order give the same ids, trees and images.
     /// scene.item_bounds() stays where it is. O(items) and what the tree costs.
     void go_to(size_t frame);
 
-    /// Mean time that the tree took to follow, per frame since the player was made; NaN before that.
+    /// Mean time that the tree took to follow, per frame since the player was made; NaN before
+    /// that.
     double tree_update_ms() const;
 
 private:

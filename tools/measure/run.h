@@ -6,7 +6,7 @@
 
 #include <occlude/core/frame_report.h>
 #include <occlude/core/ids.h>
-#include <occlude/cull/decision_log.h>
+#include <occlude/cull/parts/decision_log.h>
 
 #include <glm/vec2.hpp>
 

@@ -1,6 +1,6 @@
 #include "measure/stage.h"
 
-#include <occlude/cull/back_to_front.h>
+#include <occlude/cull/parts/back_to_front.h>
 #include <occlude/cull/registry.h>
 
 #include <algorithm>

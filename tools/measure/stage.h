@@ -4,6 +4,7 @@
 
 #include "render/scene_renderer.h"
 
+#include <occlude/core/result.h>
 #include <occlude/core/view.h>
 #include <occlude/cull/culler.h>
 #include <occlude/hierarchy/hierarchy.h>
@@ -52,8 +53,8 @@ Result<std::vector<std::unique_ptr<Culler>>> make_cullers(const Stage& stage,
 /// what the reference image shows.
 std::vector<ItemId> items_in_frustum(const View& view, std::span<const ItemBounds> item_bounds);
 
-/// `items` in an order in which they can be drawn: the opaque ones as they are, then the translucent
-/// ones back to front.
+/// `items` in an order in which they can be drawn: the opaque ones as they are, then the
+/// translucent ones back to front.
 std::vector<ItemId> in_draw_order(const View& view, std::span<const ItemBounds> item_bounds,
                                   std::span<const ItemId> items);
 

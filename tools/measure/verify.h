@@ -12,13 +12,16 @@
 #include "measure/run.h"
 #include "measure/stage.h"
 
+#include <occlude/core/result.h>
+
 namespace occlude::tools {
 
 /// What a frame is compared with: everything in the frustum. Draws on the stage's renderer.
 Capture reference_image(const Stage& stage, const View& view);
 
 /// Compares the frame that `culled` shows, which drew `drawn`, with the reference. Draws on the
-/// stage's renderer. `decisions` are those of the frame, on the stage's tree. Costs up to four more frames.
+/// stage's renderer. `decisions` are those of the frame, on the stage's tree. Costs up to four more
+/// frames.
 Verdict judge_frame(const Stage& stage, const View& view, const Capture& reference,
                     const Capture& culled, std::span<const ItemId> drawn,
                     const DecisionLog& decisions);

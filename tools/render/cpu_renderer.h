@@ -5,6 +5,7 @@
 #include "render/scene_renderer.h"
 
 #include <occlude/backends/cpu/cpu_device.h>
+#include <occlude/core/result.h>
 
 #include <array>
 #include <optional>

@@ -1,7 +1,7 @@
 // All triangles of a SceneModel in one vertex and one index buffer, and drawing runs of its items.
 #pragma once
 
-#include "scenes/scene_model.h"
+#include "model/scene_model.h"
 
 #include <occlude/backends/gl/detail/gl_object.h>
 

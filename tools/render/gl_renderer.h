@@ -8,6 +8,7 @@
 #include <occlude/backends/gl/gl_device.h>
 #include <occlude/backends/gl/gl_scene.h>
 #include <occlude/backends/gl/headless_context.h>
+#include <occlude/core/result.h>
 
 #include <memory>
 #include <string>

@@ -5,6 +5,7 @@
 
 #include <occlude/backends/gl/detail/gl_depth_reader.h>
 #include <occlude/backends/gl/detail/gl_object.h>
+#include <occlude/core/result.h>
 
 #include <glm/vec2.hpp>
 

@@ -1,6 +1,6 @@
 #include "render/image.h"
 
-#include "report/output_file.h"
+#include "files/output_file.h"
 
 #include <algorithm>
 #include <string>

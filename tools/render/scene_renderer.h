@@ -2,7 +2,7 @@
 // lambert shading for a QueryDevice, and renders references without any culling.
 #pragma once
 
-#include "scenes/scene_model.h"
+#include "model/scene_model.h"
 
 #include <occlude/core/query_device.h>
 #include <occlude/core/result.h>
@@ -53,8 +53,8 @@ public:
     /// Compiles and warms up every shader variant, inside and outside of tests.
     virtual void warm_up() = 0;
 
-    /// Draws `items` in exactly this order without tests, as one frame. Translucent ones are blended
-    /// over what was drawn before them.
+    /// Draws `items` in exactly this order without tests, as one frame. Translucent ones are
+    /// blended over what was drawn before them.
     virtual void render(const View& view, std::span<const ItemId> items) = 0;
 
     /// The target after the last frame, whoever drew it.

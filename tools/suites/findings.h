@@ -1,5 +1,5 @@
-// What the results of a suite say about a published figure: ours, whether it is reached, and if not,
-// what the counters say about why.
+// What the results of a suite say about a published figure: ours, whether it is reached, and if
+// not, what the counters say about why.
 #pragma once
 
 #include "suites/suite_results.h"

@@ -40,8 +40,8 @@ SuiteEntry statistical(Scale scale, std::string name, const Sizes& scene, uint32
     return entry;
 }
 
-// Where many parts lie across each plane: they become a child of their own, to be tested as the sides
-// are. In the node itself they are drawn whenever something of it is seen.
+// Where many parts lie across each plane: they become a child of their own, to be tested as the
+// sides are. In the node itself they are drawn whenever something of it is seen.
 void test_what_straddles(SuiteEntry& entry)
 {
     entry.stage.sets = {"bsp.straddling=child"};
@@ -103,8 +103,8 @@ SuiteEntry bunnies_in_motion(Scale scale, const Sizes& scene, uint32_t part_tria
     entry.algorithms = "frustum,stop_and_wait,two_level";
     entry.stage.path = "pass";
     entry.stage.leaf_triangles = part_triangles;
-    // A test is cheap where triangles are dear: on the paper's hardware 14,408 of them took over two
-    // seconds. A larger image brings that somewhat nearer.
+    // A test is cheap where triangles are dear: on the paper's hardware 14,408 of them took over
+    // two seconds. A larger image brings that somewhat nearer.
     entry.stage.size = {1024, 768};
     entry.stage.frames = 240;
     entry.sample_every = 12;

@@ -1,7 +1,7 @@
 // Named sets of benchmarks, for `occlude bench --suite`: what is measured, where and how.
 #pragma once
 
-#include "commands/options.h"
+#include "options/options.h"
 
 #include <span>
 #include <string>

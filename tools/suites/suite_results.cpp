@@ -1,6 +1,6 @@
 #include "suites/suite_results.h"
 
-#include "report/parse_json.h"
+#include "files/parse_json.h"
 
 #include <limits>
 

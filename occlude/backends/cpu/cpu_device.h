@@ -24,9 +24,9 @@
 
 #include <occlude/backends/cpu/cpu_scene.h>
 #include <occlude/backends/cpu/rasterizer.h>
-#include <occlude/core/pyramid_tests.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/result.h>
+#include <occlude/screen/pyramid_tests.h>
 
 #include <cstdint>
 #include <span>

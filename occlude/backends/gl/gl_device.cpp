@@ -4,7 +4,7 @@
 #include <occlude/backends/gl/detail/gl_depth_reader.h>
 #include <occlude/backends/gl/detail/gl_query_pool.h>
 #include <occlude/core/assert.h>
-#include <occlude/core/pyramid_tests.h>
+#include <occlude/screen/pyramid_tests.h>
 
 #include <glm/common.hpp>
 

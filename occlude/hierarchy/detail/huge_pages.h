@@ -1,5 +1,5 @@
-// Large pages for large arrays: fewer page faults while they are filled, and fewer misses of the TLB
-// afterwards. Internal.
+// Large pages for large arrays: fewer page faults while they are filled, and fewer misses of the
+// TLB afterwards. Internal.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,6 @@
 // The test methods that draw boxes. `queries`: one occlusion query and one instanced draw per test.
-// `raster`: one instanced draw for all boxes of a batch, whose fragments set the flag of their test.
+// `raster`: one instanced draw for all boxes of a batch, whose fragments set the flag of their
+// test.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_flag_batch.h>

@@ -1,5 +1,5 @@
-// The answers of one batch of the test method `raster`: a buffer of flags, one per test, and the fence
-// behind the draw that sets them.
+// The answers of one batch of the test method `raster`: a buffer of flags, one per test, and the
+// fence behind the draw that sets them.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_object.h>

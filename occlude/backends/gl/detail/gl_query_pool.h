@@ -1,5 +1,5 @@
-// What is behind a GlDevice's tickets: a ring of occlusion query objects, some of which stand for an
-// answer that comes, or came, in another way.
+// What is behind a GlDevice's tickets: a ring of occlusion query objects, some of which stand for
+// an answer that comes, or came, in another way.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_flag_batch.h>

@@ -1,0 +1,152 @@
+#include <occlude/cull/parts/cell_grid.h>
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace occlude {
+
+bool CellGrid::is_current(const Hierarchy& hierarchy) const
+{
+    return structure_ == hierarchy.structure_version() &&
+           std::ranges::equal(bounds_, hierarchy.item_bounds(),
+                              [](const ItemBounds& a, const ItemBounds& b) {
+                                  return a.box == b.box && a.triangles == b.triangles;
+                              });
+}
+
+void CellGrid::find_owners(const Hierarchy& hierarchy)
+{
+    owners_.assign(hierarchy.items().size(), NodeId{});
+    for (size_t n = 0; n < hierarchy.nodes().size(); ++n) {
+        const Node& node = hierarchy.nodes()[n];
+        std::fill_n(owners_.begin() + node.first_item, node.own_items, NodeId{n});
+    }
+}
+
+// The part of `box` that lies in a cell. Rounding goes outward, by a millionth of the cell; the
+// outermost cells reach as far as the items do.
+static Aabb part_in_cell(const Aabb& box, const Lattice& lattice, const glm::uvec3& at)
+{
+    constexpr double kSlop = 1e-6;
+    Aabb part = box;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double size = lattice.cell_size[axis];
+        const double low = lattice.low[axis] + size * (at[axis] - kSlop);
+        const double high = lattice.low[axis] + size * (at[axis] + 1.0 + kSlop);
+        if (at[axis] > 0) {
+            const float rounded = std::nextafter(static_cast<float>(low), -Aabb::kInfinity);
+            part.min[axis] = std::max(part.min[axis], std::min(rounded, part.max[axis]));
+        }
+        if (at[axis] + 1 < lattice.count[axis]) {
+            const float rounded = std::nextafter(static_cast<float>(high), Aabb::kInfinity);
+            part.max[axis] = std::min(part.max[axis], std::max(rounded, part.min[axis]));
+        }
+    }
+    return part;
+}
+
+static Aabb intersection(const Aabb& a, const Aabb& b)
+{
+    return {glm::max(a.min, b.min), glm::min(a.max, b.max)};
+}
+
+// One cell from its overlaps, which name no other.
+CellGrid::Cell CellGrid::make_cell(std::span<const Overlap> overlaps, const Lattice& lattice,
+                                   const Aabb& region)
+{
+    Cell cell;
+    cell.at = lattice.at(overlaps.front().first);
+    cell.first = static_cast<uint32_t>(places_.size());
+    cell.count = static_cast<uint32_t>(overlaps.size());
+    for (const auto& [same_index, place] : overlaps) {
+        const ItemBounds& item = bounds_[place];
+        cell.box = merge(cell.box, part_in_cell(intersection(item.box, region), lattice, cell.at));
+        cell.triangles += item.triangles;
+        places_.push_back(place);
+    }
+    return cell;
+}
+
+// A grid over the parts of the items in `region`, and the grids nested in it.
+uint32_t CellGrid::build_grid(const std::vector<uint32_t>& places, const Aabb& region,
+                              const CellGridOptions& options, uint32_t level)
+{
+    uint64_t triangles = 0;
+    for (const uint32_t place : places) {
+        triangles += bounds_[place].triangles;
+    }
+    const uint64_t cell_triangles = std::max<uint64_t>(options.cell_triangles, 1);
+    const Lattice lattice =
+        Lattice::over(region, std::min(triangles / cell_triangles, uint64_t{places.size()}));
+
+    std::vector<Overlap> overlaps;
+    for (const uint32_t place : places) {
+        const Aabb part = intersection(bounds_[place].box, region);
+        const glm::uvec3 low = lattice.cell(part.min);
+        const glm::uvec3 high = lattice.cell(part.max);
+        for (uint32_t z = low.z; z <= high.z; ++z) {
+            for (uint32_t y = low.y; y <= high.y; ++y) {
+                for (uint32_t x = low.x; x <= high.x; ++x) {
+                    overlaps.emplace_back(lattice.index({x, y, z}), place);
+                }
+            }
+        }
+    }
+    std::sort(overlaps.begin(), overlaps.end());
+
+    const auto grid = static_cast<uint32_t>(grids_.size());
+    grids_.push_back({lattice, static_cast<uint32_t>(cells_.size()), 0});
+    for (size_t begin = 0, end = 0; begin < overlaps.size(); begin = end) {
+        while (end < overlaps.size() && overlaps[end].first == overlaps[begin].first) {
+            ++end;
+        }
+        cells_.push_back(
+            make_cell(std::span{overlaps}.subspan(begin, end - begin), lattice, region));
+        ++grids_[grid].cell_count;
+    }
+    const uint32_t cells_end = static_cast<uint32_t>(cells_.size());
+    for (uint32_t c = grids_[grid].first_cell; c < cells_end && level < options.nested_levels;
+         ++c) {
+        const Cell cell = cells_[c]; // a copy: cells_ grows
+        if (cell.count > 1 && cell.triangles / 2 > cell_triangles) {
+            const std::vector<uint32_t> own(places_.begin() + cell.first,
+                                            places_.begin() + cell.first + cell.count);
+            const uint32_t nested = build_grid(own, cell.box, options, level + 1);
+            cells_[c].grid = nested;
+        }
+    }
+    return grid;
+}
+
+void CellGrid::update(const Hierarchy& hierarchy, const CellGridOptions& options)
+{
+    if (is_current(hierarchy)) {
+        return;
+    }
+    structure_ = hierarchy.structure_version();
+    bounds_.assign(hierarchy.item_bounds().begin(), hierarchy.item_bounds().end());
+    find_owners(hierarchy);
+    grids_.clear();
+    cells_.clear();
+    places_.clear();
+    unbounded_.clear();
+
+    Aabb region;
+    std::vector<uint32_t> bounded;
+    for (uint32_t place = 0; place < bounds_.size(); ++place) {
+        const Aabb& box = bounds_[place].box;
+        if (box.is_bounded()) {
+            bounded.push_back(place);
+            region = merge(region, box);
+        } else if (!box.is_empty()) {
+            unbounded_.push_back(place);
+        }
+    }
+    if (!bounded.empty()) {
+        build_grid(bounded, region, options, 0);
+    }
+}
+
+} // namespace occlude

@@ -1,0 +1,165 @@
+#include <occlude/cull/parts/cost_model.h>
+
+#include <cmath>
+#include <limits>
+
+namespace occlude {
+
+namespace {
+
+// What a read-back and a test against it cost before anything was measured.
+constexpr RoundCost kPyramidHint{400.0, 0.1, 0.1};
+
+// Below this much drawing a frame says nothing about the cost of drawing.
+constexpr double kLeastSample = 256.0;
+
+// Frames must differ so much in their drawing before their difference says what drawing costs.
+constexpr double kApart = 4.0;
+
+// However noisy the samples, at least this part of the largest frame was drawing.
+constexpr double kLeastShare = 0.1;
+
+// As long as none did, drawing costs at most so many times the hint.
+constexpr double kOverHint = 4.0;
+
+// Each cost of a method is measured so often, by rounds of one box and of so many.
+constexpr size_t kMeasuredRounds = 3;
+constexpr size_t kMoreBoxes = 16;
+
+} // namespace
+
+void RecentMedian::add(double sample)
+{
+    samples_[count_ % kSamples] = sample;
+    ++count_;
+}
+
+double RecentMedian::value() const
+{
+    std::array<double, kSamples> samples = samples_;
+    const auto count = static_cast<ptrdiff_t>(std::min(count_, kSamples));
+    const auto median = samples.begin() + (count - 1) / 2;
+    std::nth_element(samples.begin(), median, samples.begin() + count);
+    return *median;
+}
+
+void CostModel::take_hints(const DeviceCaps& caps)
+{
+    if (hint_us_per_triangle_ == caps.us_per_triangle && hint_us_per_item_ == caps.us_per_item) {
+        return;
+    }
+    *this = CostModel{};
+    hint_us_per_triangle_ = caps.us_per_triangle;
+    hint_us_per_item_ = caps.us_per_item;
+    us_per_unit_ = caps.us_per_triangle;
+    triangles_per_item_ =
+        caps.us_per_triangle > 0.0f ? caps.us_per_item / caps.us_per_triangle : 0.0;
+    for (const TestCost& cost : caps.methods) {
+        Method& method = methods_[index(cost.method)];
+        method.available = caps.same_frame_results;
+        method.hint = {cost.us_per_batch, cost.us_per_test + cost.us_per_box, cost.us_per_box};
+    }
+    // Tested here, not by the device: all it needs is the depth.
+    Method& pyramid = methods_[index(TestMethod::pyramid)];
+    pyramid.available = caps.read_depth;
+    pyramid.hint = kPyramidHint;
+}
+
+size_t CostModel::size_of(double units)
+{
+    const int size = std::max(std::ilogb(std::max(units, 1.0)), 0);
+    return std::min(static_cast<size_t>(size), kSizes - 1);
+}
+
+double CostModel::whole_us(double units) const
+{
+    double us = us_per_unit_ * units;
+    for (size_t size = 0; size <= size_of(units); ++size) {
+        if (!drawn_[size].us.empty()) {
+            us = std::max(us, drawn_[size].us.value());
+        }
+    }
+    return us;
+}
+
+// The slope between the least and the most that was drawn. The largest frame's whole cost is a
+// bound on it, as no frame costs less than its pixels.
+void CostModel::drew(double units, double us)
+{
+    if (units < kLeastSample) {
+        return;
+    }
+    Sample& sample = drawn_[size_of(units)];
+    sample.units.add(units);
+    sample.us.add(us);
+
+    const auto known = [](const Sample& s) { return !s.units.empty(); };
+    const Sample& least = *std::find_if(drawn_.begin(), drawn_.end(), known);
+    const Sample& most = *std::find_if(drawn_.rbegin(), drawn_.rend(), known);
+    const double bound = most.us.value() / most.units.value();
+    const double difference = most.units.value() - least.units.value();
+    if (most.units.value() >= kApart * least.units.value()) {
+        const double slope = (most.us.value() - least.us.value()) / difference;
+        us_per_unit_ = std::clamp(slope, kLeastShare * bound, bound);
+    } else {
+        us_per_unit_ = std::min(kOverHint * double{hint_us_per_triangle_}, bound);
+    }
+}
+
+RoundCost CostModel::round(TestMethod which) const
+{
+    const Method& method = methods_[index(which)];
+    if (!method.available) {
+        constexpr double kNever = std::numeric_limits<double>::infinity();
+        return {kNever, kNever, kNever};
+    }
+    RoundCost cost = method.hint;
+    if (!method.us_per_test.empty()) {
+        cost.us_per_test = method.us_per_test.value();
+    }
+    if (!method.us_per_box.empty()) {
+        cost.us_per_box = method.us_per_box.value();
+    }
+    cost.us_per_box = std::min(cost.us_per_box, cost.us_per_test);
+    if (!method.small_round_us.empty()) {
+        cost.us_per_round = method.small_round_us.value();
+    }
+    return cost;
+}
+
+CostModel::Shape CostModel::least_known(TestMethod which) const
+{
+    const Method& method = methods_[index(which)];
+    const size_t rounds = method.small_round_us.count();
+    if (!method.available) {
+        return {};
+    }
+    if (which != TestMethod::pyramid && method.us_per_test.count() < rounds) {
+        return {kMoreBoxes, kMoreBoxes};
+    }
+    if (which == TestMethod::queries && method.us_per_box.count() < rounds) {
+        return {1, kMoreBoxes};
+    }
+    return rounds < kMeasuredRounds ? Shape{1, 1} : Shape{};
+}
+
+void CostModel::tested(TestMethod which, size_t tests, size_t boxes, double us)
+{
+    Method& method = methods_[index(which)];
+    if (boxes <= 1) {
+        method.small_round_us.add(us);
+        return;
+    }
+    if (method.small_round_us.empty()) {
+        return;
+    }
+    const double beyond = us - method.small_round_us.value();
+    if (tests == 1) {
+        method.us_per_box.add(std::max(beyond, 0.0) / static_cast<double>(boxes - 1));
+        return;
+    }
+    const double shared_us = static_cast<double>(boxes - tests) * round(which).us_per_box;
+    method.us_per_test.add(std::max(beyond - shared_us, 0.0) / static_cast<double>(tests - 1));
+}
+
+} // namespace occlude

@@ -1,0 +1,310 @@
+#include <occlude/cull/parts/cull_frame.h>
+
+#include <occlude/core/assert.h>
+#include <occlude/core/bounding_sphere.h>
+
+#include <algorithm>
+
+namespace occlude {
+
+CullFrame::CullFrame(const Hierarchy& hierarchy, FrameRecord& record, const View& view,
+                     QueryDevice& device, FrameReport& report)
+    : hierarchy_(hierarchy)
+    , record_(record)
+    , view_(view)
+    , device_(device)
+    , report_(report)
+    , drawn_(record.drawn_items)
+{
+    record_.clear();
+    device_.begin_frame(view_);
+    start_never_culled();
+}
+
+void CullFrame::queue(uint32_t position)
+{
+    drawn_.push_back(hierarchy_.items()[position]);
+    queued_triangles_ += hierarchy_.item_bounds()[position].triangles;
+}
+
+// Puts an item aside if its flags say so, to be drawn when the frame finishes.
+bool CullFrame::set_aside(uint32_t position)
+{
+    const ItemBounds& bounds = hierarchy_.item_bounds()[position];
+    if (has_flag(bounds.flags, ItemFlags::translucent)) {
+        record_.translucent_items.push_back(
+            {view_.distance_key(bounds.box), hierarchy_.items()[position], bounds.triangles});
+        return true;
+    }
+    if (has_flag(bounds.flags, ItemFlags::never_occlude)) {
+        record_.late_items.push_back(position);
+        return true;
+    }
+    return false;
+}
+
+void CullFrame::start_never_culled()
+{
+    for (const Hierarchy::FlaggedItem& flagged : hierarchy_.flagged_items()) {
+        const ItemBounds& bounds = hierarchy_.item_bounds()[flagged.position];
+        const bool wanted = has_flag(bounds.flags, ItemFlags::never_cull) && !bounds.box.is_empty();
+        if (wanted && !set_aside(flagged.position)) {
+            queue(flagged.position);
+        }
+    }
+}
+
+bool CullFrame::visit(NodeId node, PlaneMask& mask)
+{
+    ++report_.counters.nodes_visited;
+    if (view_.frustum().classify(hierarchy_.node(node).box, mask) == Containment::outside) {
+        record_.decisions.add(node, Decision::outside);
+        return false;
+    }
+    return true;
+}
+
+bool CullFrame::visit_item(NodeId owner, uint32_t place, PlaneMask& mask)
+{
+    ++report_.counters.nodes_visited;
+    if (view_.frustum().classify(hierarchy_.item_bounds()[place].box, mask) ==
+        Containment::outside) {
+        decide_item(owner, place, Decision::outside);
+        return false;
+    }
+    return true;
+}
+
+bool CullFrame::visit_sphere_first(NodeId node, PlaneMask& mask, float elongation)
+{
+    ++report_.counters.nodes_visited;
+    const Aabb& box = hierarchy_.node(node).box;
+    if (classify_sphere_first(view_.frustum(), bounding_sphere(box), box, mask, elongation) ==
+        Containment::outside) {
+        record_.decisions.add(node, Decision::outside);
+        return false;
+    }
+    return true;
+}
+
+bool CullFrame::near(NodeId node) const
+{
+    return view_.touches_near(test_box(node));
+}
+
+void CullFrame::draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask,
+                           Decision decision, DecisionLog::Scope scope)
+{
+    record_.decisions.add(node, decision, scope);
+    const bool has_flags = hierarchy_.has_flags();
+    for (uint32_t i = first; i < first + count; ++i) {
+        const ItemBounds& bounds = hierarchy_.item_bounds()[i];
+        PlaneMask item_mask = mask;
+        if (view_.frustum().classify(bounds.box, item_mask) == Containment::outside) {
+            continue;
+        }
+        if (has_flags && (has_flag(bounds.flags, ItemFlags::never_cull) || set_aside(i))) {
+            continue;
+        }
+        queue(i);
+    }
+}
+
+void CullFrame::draw_leaf(NodeId leaf, PlaneMask mask, Decision decision)
+{
+    const Node& n = hierarchy_.node(leaf);
+    draw_range(leaf, n.first_item, n.subtree_items, mask, decision, DecisionLog::Scope::subtree);
+}
+
+void CullFrame::draw_own(NodeId node, PlaneMask mask, Decision decision)
+{
+    const Node& n = hierarchy_.node(node);
+    if (n.own_items > 0) {
+        draw_range(node, n.first_item, n.own_items, mask, decision, DecisionLog::Scope::own_items);
+    }
+}
+
+void CullFrame::draw_item(NodeId owner, uint32_t place, PlaneMask mask, Decision decision)
+{
+    const ItemBounds& bounds = hierarchy_.item_bounds()[place];
+    if (view_.frustum().classify(bounds.box, mask) == Containment::outside) {
+        decision = Decision::outside;
+    } else if (!has_flag(bounds.flags, ItemFlags::never_cull) && !set_aside(place)) {
+        queue(place);
+    }
+    record_.decisions.add(owner, hierarchy_.items()[place], decision);
+}
+
+void CullFrame::draw_items(std::span<const ItemId> items, uint64_t triangles)
+{
+    queued_triangles_ += triangles;
+    if (!hierarchy_.has_flags()) {
+        drawn_.insert(drawn_.end(), items.begin(), items.end());
+        return;
+    }
+    const auto flagged = hierarchy_.flagged_items();
+    for (const ItemId item : items) {
+        const auto found =
+            std::lower_bound(flagged.begin(), flagged.end(), Hierarchy::FlaggedItem{item, 0});
+        if (found == flagged.end() || found->item != item) {
+            drawn_.push_back(item);
+            continue;
+        }
+        const ItemBounds& bounds = hierarchy_.item_bounds()[found->position];
+        queued_triangles_ -= bounds.triangles;
+        if (!has_flag(bounds.flags, ItemFlags::never_cull)) {
+            set_aside(found->position);
+        }
+    }
+}
+
+bool CullFrame::can_draw_and_query(NodeId leaf) const
+{
+    if (!device_.caps().draw_and_query || !hierarchy_.has_flags()) {
+        return device_.caps().draw_and_query;
+    }
+    const Node& n = hierarchy_.node(leaf);
+    const auto bounds = hierarchy_.item_bounds().subspan(n.first_item, n.subtree_items);
+    return std::none_of(bounds.begin(), bounds.end(), [](const ItemBounds& item) {
+        return has_flag(item.flags, kDrawnOutOfTurn);
+    });
+}
+
+void CullFrame::enter_state(bool testing)
+{
+    if (testing_ != testing) {
+        testing_ = testing;
+        ++report_.counters.state_changes;
+    }
+}
+
+void CullFrame::flush_draws()
+{
+    if (flushed_ == drawn_.size()) {
+        return;
+    }
+    enter_state(false);
+    device_.draw(std::span<const ItemId>{drawn_}.subspan(flushed_), pass_);
+    ++report_.counters.draw_calls;
+    report_.counters.items_drawn += drawn_.size() - flushed_;
+    report_.counters.triangles_drawn += queued_triangles_;
+    flushed_ = drawn_.size();
+    queued_triangles_ = 0;
+}
+
+Ticket CullFrame::draw_and_query(NodeId leaf, PlaneMask mask, Decision decision)
+{
+    flush_draws();
+    draw_leaf(leaf, mask, decision);
+    enter_state(false);
+    const Ticket ticket =
+        device_.draw_and_query(std::span<const ItemId>{drawn_}.subspan(flushed_), pass_);
+    ++report_.counters.draw_calls;
+    ++report_.counters.queries;
+    report_.counters.items_drawn += drawn_.size() - flushed_;
+    report_.counters.triangles_drawn += queued_triangles_;
+    flushed_ = drawn_.size();
+    queued_triangles_ = 0;
+    return ticket;
+}
+
+// A threshold is one of samples, and only queries count them.
+TestMethod CullFrame::method_for(TestMethod asked) const
+{
+    const auto counts = [](const TestCost& cost) { return cost.method == TestMethod::queries; };
+    const bool needs_counts = asked == TestMethod::automatic && report_.guarantee.threshold > 0 &&
+                              !caps().exact_counts && std::ranges::any_of(caps().methods, counts);
+    return needs_counts ? TestMethod::queries : asked;
+}
+
+void CullFrame::query(const TestBatch& batch, std::vector<Ticket>& tickets, TestMethod method)
+{
+    OCCLUDE_ASSERT(!batch.empty(), "a batch has at least one test");
+    enter_state(true);
+    tickets.resize(batch.test_count());
+    device_.query({batch.boxes(), batch.test_ends(), method_for(method)}, tickets);
+    ++report_.counters.batches;
+    report_.counters.queries += batch.test_count();
+    report_.counters.boxes += batch.boxes().size();
+    device_.flush();
+}
+
+Ticket CullFrame::query(NodeId node)
+{
+    enter_state(true);
+    const QueryBox box{test_box(node), nullptr, node};
+    const uint32_t end = 1;
+    Ticket ticket;
+    device_.query({{&box, 1}, {&end, 1}, method_for(TestMethod::automatic)}, {&ticket, 1});
+    ++report_.counters.batches;
+    ++report_.counters.queries;
+    ++report_.counters.boxes;
+    device_.flush();
+    return ticket;
+}
+
+Answer CullFrame::counted(Answer answer)
+{
+    if (answer.state == AnswerState::lost) {
+        ++report_.counters.lost_answers;
+    }
+    const bool some = answer.state == AnswerState::ready && answer.samples > 0;
+    if (some && !caps().exact_counts && method_for(TestMethod::automatic) != TestMethod::queries) {
+        answer.samples = Answer::kUnknownSamples; // more than any threshold
+    }
+    return answer;
+}
+
+Answer CullFrame::poll(Ticket ticket)
+{
+    return counted(device_.poll(ticket));
+}
+
+Answer CullFrame::wait(Ticket ticket)
+{
+    ++report_.counters.waits;
+    return counted(device_.wait(ticket));
+}
+
+SamplePositions CullFrame::samples() const
+{
+    return caps().samples_at_pixel_centers ? SamplePositions::center : SamplePositions::anywhere;
+}
+
+bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)
+{
+    if (!device_.read_depth(rect, out)) {
+        return false;
+    }
+    ++report_.counters.depth_reads;
+    report_.counters.pixels_read += out.size();
+    return true;
+}
+
+void CullFrame::draw_translucent()
+{
+    std::sort(record_.translucent_items.begin(), record_.translucent_items.end(), blended_before);
+    for (const TranslucentItem& translucent : record_.translucent_items) {
+        drawn_.push_back(translucent.item);
+        queued_triangles_ += translucent.triangles;
+    }
+    pass_ = DrawPass::shade;
+    flush_draws();
+}
+
+void CullFrame::finish()
+{
+    for (const uint32_t position : record_.late_items) {
+        queue(position);
+    }
+    flush_draws();
+    if (pass_ == DrawPass::depth_only && !drawn_.empty()) {
+        enter_state(false);
+        device_.draw(drawn_, DrawPass::shade_equal);
+        ++report_.counters.draw_calls;
+    }
+    draw_translucent();
+    device_.end_frame();
+}
+
+} // namespace occlude

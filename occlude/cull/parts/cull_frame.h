@@ -1,0 +1,192 @@
+// One frame of one culler: everything an algorithm says to the device goes through here, so that
+// the counters, the decision log and the list of drawn items always agree with what was said.
+//
+// Item flags hold for all algorithms, and none of them needs to know:
+//   never_cull     queued first of all, in the frustum or not; later requests for it are ignored
+//   never_occlude  set aside, and drawn when all tests are done
+//   translucent    set aside, and drawn after everything else, back to front
+// Setting aside is exact: an item that was hidden when its node was tested stays hidden by whatever
+// is drawn later.
+#pragma once
+
+#include <occlude/core/frame_report.h>
+#include <occlude/core/query_device.h>
+#include <occlude/core/view.h>
+#include <occlude/cull/parts/frame_record.h>
+#include <occlude/hierarchy/hierarchy.h>
+#include <occlude/screen/projection.h>
+
+#include <span>
+#include <vector>
+
+namespace occlude {
+
+/// Tests collected for one batch: boxes, and where each test ends.
+class TestBatch {
+public:
+    void clear()
+    {
+        boxes_.clear();
+        ends_.clear();
+    }
+    bool empty() const { return ends_.empty(); }
+    size_t test_count() const { return ends_.size(); }
+
+    /// Adds a box to the test being collected.
+    void add_box(const Aabb& inflated_box, NodeId subject)
+    {
+        boxes_.push_back({inflated_box, nullptr, subject});
+    }
+    /// ... in the space of `world_from_box`, which must live until the batch was asked.
+    void add_box(const Aabb& inflated_box, const glm::mat4& world_from_box, NodeId subject)
+    {
+        boxes_.push_back({inflated_box, &world_from_box, subject});
+    }
+    /// Ends the test being collected. Precondition: it has a box.
+    void end_test() { ends_.push_back(static_cast<uint32_t>(boxes_.size())); }
+
+    std::span<const QueryBox> boxes() const { return boxes_; }
+    std::span<const uint32_t> test_ends() const { return ends_; }
+
+private:
+    std::vector<QueryBox> boxes_;
+    std::vector<uint32_t> ends_;
+};
+
+class CullFrame {
+public:
+    /// Begins the device's frame and clears `record`. All references outlive the frame.
+    CullFrame(const Hierarchy& hierarchy, FrameRecord& record, const View& view,
+              QueryDevice& device, FrameReport& report);
+
+    const View& view() const { return view_; }
+    const Hierarchy& hierarchy() const { return hierarchy_; }
+    const DeviceCaps& caps() const { return device_.caps(); }
+    /// Counts from 1 since the last reset, so that 0 can mean "never".
+    uint32_t stamp() const { return static_cast<uint32_t>(report_.frame) + 1; }
+    FrameCounters& counters() { return report_.counters; }
+    const FrameCounters& counters() const { return report_.counters; }
+    /// For algorithms that choose how to go about a frame.
+    FramePlan& plan() { return report_.plan; }
+
+    // --- looking ---
+
+    /// True unless the node is outside the frustum; logs it if so. Clears from `mask` the planes
+    /// that its descendants need not test. Counts one visited node.
+    bool visit(NodeId node, PlaneMask& mask);
+
+    /// The same of one item of node `owner`, by its place in Hierarchy::items(); logged of the
+    /// item.
+    bool visit_item(NodeId owner, uint32_t place, PlaneMask& mask);
+
+    /// The same of a node by the ball around the node's box first (classify_sphere_first()), with
+    /// its box only if it is longer than `elongation`: true for some more nodes that are outside.
+    bool visit_sphere_first(NodeId node, PlaneMask& mask, float elongation);
+
+    /// Rule R1: the near plane may touch the node's (inflated) box, so that it must not be tested.
+    bool near(NodeId node) const;
+
+    /// The node's box as a test must see it (rule R2).
+    Aabb test_box(NodeId node) const { return view_.inflated_for_test(hierarchy_.node(node).box); }
+
+    // --- drawing ---
+
+    /// Puts a leaf's items into the render queue: those that are not outside the planes in `mask`.
+    void draw_leaf(NodeId leaf, PlaneMask mask, Decision decision);
+    /// ... the items of an inner node itself, without its children.
+    void draw_own(NodeId node, PlaneMask mask, Decision decision);
+    /// ... one item of node `owner`, by its place in Hierarchy::items().
+    void draw_item(NodeId owner, uint32_t place, PlaneMask mask, Decision decision);
+    /// ... items by id, in this order (for algorithms that know them otherwise).
+    void draw_items(std::span<const ItemId> items, uint64_t triangles);
+
+    uint64_t queued_triangles() const { return queued_triangles_; }
+    size_t queued_items() const { return drawn_.size() - flushed_; }
+
+    /// Hands the render queue to the device as one batch; nothing if it is empty.
+    void flush_draws();
+
+    /// ... and has it begin, so that it works while the algorithm does.
+    void start_draws()
+    {
+        if (queued_items() > 0) {
+            flush_draws();
+            device_.flush();
+        }
+    }
+
+    /// True if the device can draw_and_query() and all of the leaf is drawn then: none of its items
+    /// is set aside by a flag.
+    bool can_draw_and_query(NodeId leaf) const;
+
+    /// Draws a leaf at once and counts its own samples: a test with the geometry itself.
+    /// Precondition: can_draw_and_query(leaf); else what is set aside is not counted.
+    Ticket draw_and_query(NodeId leaf, PlaneMask mask, Decision decision);
+
+    /// Draws depth only from now on; finish() then shades all drawn items in one batch.
+    void use_depth_only_pass() { pass_ = DrawPass::depth_only; }
+
+    // --- testing ---
+
+    /// Issues the collected tests as one batch and writes their tickets; starts them at once. The
+    /// method `automatic` is the device's own, but queries where a threshold above 0 needs counts.
+    void query(const TestBatch& batch, std::vector<Ticket>& tickets,
+               TestMethod method = TestMethod::automatic);
+    /// Tests one node's box.
+    Ticket query(NodeId node);
+
+    Answer poll(Ticket ticket);
+    Answer wait(Ticket ticket);
+
+    /// Where the device has its samples, for boxes that are compared with depth.
+    SamplePositions samples() const;
+    /// Reads back depth; see QueryDevice::read_depth.
+    bool read_depth(const PixelRect& rect, std::span<float> out);
+
+    /// Logs a decision that draws nothing: the node was found hidden.
+    void decide(NodeId node, Decision decision,
+                DecisionLog::Scope scope = DecisionLog::Scope::subtree)
+    {
+        record_.decisions.add(node, decision, scope);
+    }
+
+    /// ... of one item of node `owner`, by its place in Hierarchy::items().
+    void decide_item(NodeId owner, uint32_t place, Decision decision)
+    {
+        record_.decisions.add(owner, hierarchy_.items()[place], decision);
+    }
+
+    /// Draws what is still queued and the items set aside, shades after a depth-only pass, ends the
+    /// device\'s frame.
+    void finish();
+
+private:
+    void draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask, Decision decision,
+                    DecisionLog::Scope scope);
+    void start_never_culled();
+    bool set_aside(uint32_t position);
+    void queue(uint32_t position);
+    void draw_translucent();
+    void enter_state(bool testing);
+    TestMethod method_for(TestMethod asked) const;
+    Answer counted(Answer answer);
+
+    const Hierarchy& hierarchy_;
+    FrameRecord& record_;
+    const View& view_;
+    QueryDevice& device_;
+    FrameReport& report_;
+    std::vector<ItemId>& drawn_; ///< record_.drawn_items: all items drawn or queued in this frame
+    size_t flushed_ = 0;         ///< how many of `drawn_` the device has got
+    uint64_t queued_triangles_ = 0;
+    DrawPass pass_ = DrawPass::shade;
+    bool testing_ = false;
+};
+
+/// A visibility threshold in samples: above it, or unknown, is visible.
+inline bool is_visible(const Answer& answer, uint64_t threshold)
+{
+    return answer.state != AnswerState::ready || answer.samples > threshold;
+}
+
+} // namespace occlude

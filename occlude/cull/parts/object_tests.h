@@ -1,0 +1,95 @@
+// What the two methods of GPU Gems ch. 29 share: the objects in the frustum near to far, whether
+// one is worth a test, and the boxes of its test.
+//
+// An *object* is a leaf of the hierarchy, virtual leaves included. Items in inner nodes (of trees
+// that have them) belong to no object: they are drawn untested.
+#pragma once
+
+#include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/tight_bounds.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace occlude {
+
+/// Which objects are tested, and with which boxes. What is not tested is drawn.
+struct ObjectTestOptions {
+    /// 29.6.2: objects nearer to the eye than this, in world units, are not tested. Whatever this
+    /// is, a box that the near plane may touch is never tested (rule R1).
+    float skip_nearer_than = 0.0f;
+    /// 29.6.1: objects of fewer triangles are not tested; the chapter puts a box at the price of
+    /// some 200 triangles.
+    uint32_t skip_triangles_below = 0;
+    /// 29.6.2: objects whose box covers more than this share of the screen are not tested ...
+    float skip_larger_than = 1.0f;
+    /// ... if the target has at least this many pixels.
+    uint32_t high_resolution = 0;
+    /// 29.5.1: levels below an object from which its sub-boxes are taken. 0: one box.
+    uint32_t sub_box_depth = 3;
+    /// The sub-boxes' area is at most this many times the object's box's.
+    float sub_box_area = 1.4f;
+    /// 29.6.4: the walk holds the ball around a node's box against the frustum first, and asks the
+    /// box only if the ball intersects and the largest extent is more than this many times the
+    /// second. 0: boxes alone. Errs toward more nodes: images do not change.
+    float sphere_elongation = 0.0f;
+};
+
+/// The share of the screen that the box's rectangle on it covers: 0 for a box beside the screen, 1
+/// if part of the box is not before the eye or it is not bounded.
+float screen_share(const View& view, const Aabb& box);
+
+class ObjectTests {
+public:
+    struct Object {
+        float distance = 0.0f; ///< View::distance_key
+        NodeId node;
+        PlaneMask mask = Frustum::kAllPlanes;
+    };
+
+    explicit ObjectTests(const ObjectTestOptions& options)
+        : options_(options)
+    {
+    }
+
+    /// The objects in the frustum, near to far; valid until the next call. Visits the tree and
+    /// queues the items of inner nodes.
+    std::span<const Object> collect_near_to_far(CullFrame& frame);
+
+    /// False if one of the options says that the object is drawn rather than tested.
+    bool worth_testing(const CullFrame& frame, NodeId node) const;
+
+    /// Adds one test of the object to the batch. Precondition: it is not near (rule R1).
+    void add_test(const CullFrame& frame, NodeId node, TestBatch& batch);
+
+private:
+    struct Open {
+        NodeId node;
+        PlaneMask mask;
+    };
+
+    bool in_frustum(CullFrame& frame, NodeId node, PlaneMask& mask) const;
+
+    ObjectTestOptions options_;
+    std::vector<Object> objects_;
+    std::vector<Open> stack_;
+    TightBounds tight_bounds_;
+};
+
+template <class Visit>
+void visit_options(ObjectTestOptions& o, Visit&& visit)
+{
+    visit("skip_nearer_than", o.skip_nearer_than, "objects nearer than this are not tested");
+    visit("skip_triangles_below", o.skip_triangles_below,
+          "objects of fewer triangles are not tested");
+    visit("skip_larger_than", o.skip_larger_than,
+          "objects of more than this share of the screen are not tested ...");
+    visit("high_resolution", o.high_resolution, "... on targets of at least so many pixels");
+    visit("sub_box_depth", o.sub_box_depth, "levels of an object's sub-boxes; 0: one box");
+    visit("sub_box_area", o.sub_box_area, "their area over the area of the object's box");
+    visit("sphere_elongation", o.sphere_elongation,
+          "frustum tests by balls first, by boxes if longer than this; 0: boxes alone");
+}
+
+} // namespace occlude

@@ -1,0 +1,104 @@
+// The grid of the lazy occlusion grid: what is known of the pixels of each cell of the screen.
+//
+// Pure memory: it neither draws nor reads. LazyGrid (lazy_grid.h) asks it, looks at pixels where it
+// does not know, and tells it what it saw.
+//
+// A cell stores zfar, an upper bound of the farthest depth of its pixels, which can only fall while
+// things are drawn: "farther than zfar" stays true of a box for the rest of the frame. It also
+// stores up to which depth its farthest pixel is known to reach, which drawing makes unknown. The
+// states of the paper are
+//
+//   completely free   untouched: nothing was drawn into it
+//   outdated          drawn into since its pixels were looked at: known_free is kUnknown
+//   partially free    looked at, with a pixel of depth 1 (zmax) left: zfar is 1
+//   full              looked at, with none: zfar < 1; it stays so
+//
+// so that the occlusion-buffer variant is the z-buffer variant asked about depth 1 instead of the
+// box's own nearest depth.
+#pragma once
+
+#include <occlude/core/query_device.h>
+#include <occlude/screen/screen_box.h>
+
+#include <glm/vec2.hpp>
+
+#include <span>
+#include <vector>
+
+namespace occlude {
+
+/// Cells [begin, end) in both directions.
+struct CellRange {
+    glm::ivec2 begin{0};
+    glm::ivec2 end{0};
+
+    bool contains(glm::ivec2 cell) const
+    {
+        return cell.x >= begin.x && cell.y >= begin.y && cell.x < end.x && cell.y < end.y;
+    }
+};
+
+/// The pixels that two rectangles share; size 0 (both) if none.
+PixelRect intersection(const PixelRect& a, const PixelRect& b);
+
+class OcclusionGrid {
+public:
+    static constexpr float kFarthest = 1.0f; ///< zmax: the depth of a pixel never drawn into
+    static constexpr float kUnknown = -1.0f;
+
+    struct Cell {
+        float zfar = kFarthest;
+        float known_free = kFarthest; ///< some pixel is at least this far; kUnknown: outdated
+        float covered = 0.0f;         ///< summed areas drawn into it, in shares of its own area
+        bool untouched = true;
+        bool copied = false; ///< its pixels were read back since they were last drawn into
+    };
+
+    /// Starts a frame: all cells free. `cell_size` >= 1, in pixels; cells at the right and upper
+    /// edge of the target are cut off by it. Allocates only when the grid grows.
+    void reset(glm::ivec2 size_px, int cell_size);
+
+    glm::ivec2 size_in_cells() const { return cells_in_; }
+    Cell& cell(glm::ivec2 at) { return cells_[index(at)]; }
+    const Cell& cell(glm::ivec2 at) const { return cells_[index(at)]; }
+
+    /// The pixels of a cell.
+    PixelRect pixels(glm::ivec2 cell) const;
+    /// The cells that share a pixel with `rect`, which lies in the target.
+    CellRange touched(const PixelRect& rect) const;
+    /// The cells whose pixels all lie in `rect`: the internal cells; those touched besides are the
+    /// border cells.
+    CellRange internal(const PixelRect& rect) const;
+
+    /// Something with these screen bounds is drawn: the cells that it touches become outdated.
+    void mark_drawn(const PixelRect& rect);
+
+    /// The farthest of all pixels of the cell was found to be `zfar`.
+    void update(glm::ivec2 cell, float zfar);
+    /// All pixels of the cell were found to be nearer than `depth`.
+    void learn_hidden(glm::ivec2 cell, float depth);
+    /// Some pixel of the cell was found to be at `depth` or farther.
+    void learn_free(glm::ivec2 cell, float depth);
+
+private:
+    size_t index(glm::ivec2 at) const
+    {
+        return static_cast<size_t>(at.y) * static_cast<size_t>(cells_in_.x) +
+               static_cast<size_t>(at.x);
+    }
+
+    glm::ivec2 size_px_{0};
+    glm::ivec2 cells_in_{0};
+    int cell_size_ = 1;
+    std::vector<Cell> cells_;
+};
+
+/// The largest of depths >= 0, or 0 if there are none; `stride` floats lie between rows. Several
+/// times faster than std::max_element.
+float farthest_depth(const float* depths, size_t width, size_t height, size_t stride);
+
+/// True only if every sample of anything in `box` that lies in `part` is farther than its pixel
+/// there. `depths` is that of the first pixel of `part`; `stride` floats lie between rows.
+bool hides(const float* depths, size_t stride, const PixelRect& part, const ScreenBox& box);
+
+} // namespace occlude

@@ -1,0 +1,24 @@
+#include <occlude/effects/level_of_detail.h>
+
+#include <algorithm>
+
+namespace occlude {
+
+uint32_t choose_level_of_detail(uint64_t pixels, std::span<const uint64_t> thresholds,
+                                uint32_t current, float hysteresis)
+{
+    const auto count = static_cast<uint32_t>(thresholds.size());
+    uint32_t level = std::min(current, count);
+    const auto pixel_count = static_cast<double>(pixels);
+    const auto threshold = [&](uint32_t i) { return static_cast<double>(thresholds[i]); };
+    // Finer while the next finer level's threshold is well passed, else coarser likewise.
+    while (level > 0 && pixel_count >= threshold(level - 1) * (1.0 + double{hysteresis})) {
+        --level;
+    }
+    while (level < count && pixel_count < threshold(level) * (1.0 - double{hysteresis})) {
+        ++level;
+    }
+    return level;
+}
+
+} // namespace occlude

@@ -1,0 +1,225 @@
+// The projection of boxes, one after the other: the specification of what box_projector_simd.cpp
+// does.
+//
+// Extremes over a box of x / w, y / w and depth / w are at corners: they are fractions of linear
+// functions with a positive denominator. All is done in float, as a device does it. With u = 2^-24
+// and S the sum of the absolute terms of a coordinate, a device that transforms to world space
+// first is off by up to 8 u S, and the sums here by up to 5 u S; 20 u S are allowed. Since S >= w,
+// what is left pays for the quotient (2 u of it) and for the rounding of the error itself.
+//
+// A pixel's sample is at least `sample_inset_px` from its borders, so that the pixels to look at
+// are those that the box reaches when it is less by that on each side. Adding it rounds once more,
+// by u of the sum: of the 14 u |x| + 7 u half_size that are left above (S of x is at least w times
+// both) it takes less than one in seven.
+#include <occlude/screen/detail/box_projector.h>
+
+#include <occlude/core/absolute.h>
+#include <occlude/core/assert.h>
+#include <occlude/core/detail/float4.h>
+
+#include <glm/common.hpp>
+#include <glm/mat4x4.hpp>
+
+#include <algorithm>
+#include <array>
+
+namespace occlude {
+
+namespace detail {
+
+static constexpr double kSlop = 20.0 * 0x1p-24;
+
+static glm::dmat4 magnitude(const glm::mat4& m)
+{
+    return {detail::absolute(glm::dvec4{m[0]}), detail::absolute(glm::dvec4{m[1]}),
+            detail::absolute(glm::dvec4{m[2]}), detail::absolute(glm::dvec4{m[3]})};
+}
+
+static float inset_px(SamplePositions samples)
+{
+    return samples == SamplePositions::center ? 0.5f : 0.0f;
+}
+
+BoxProjector::BoxProjector(const View& view, SamplePositions samples)
+    : inflation(view.inflation())
+    , sample_inset_px(inset_px(samples))
+{
+    const glm::mat4& clip = view.clip_from_world();
+    set_columns(view, glm::dmat4{clip}, magnitude(clip));
+}
+
+BoxProjector::BoxProjector(const View& view, const glm::mat4& world_from_box,
+                           const Inflation& own_inflation, SamplePositions samples)
+    : inflation(own_inflation)
+    , sample_inset_px(inset_px(samples))
+{
+    const glm::mat4& clip = view.clip_from_world();
+    // A device goes by way of the world, and so do the terms that it rounds.
+    set_columns(view, glm::dmat4{clip} * glm::dmat4{world_from_box},
+                magnitude(clip) * magnitude(world_from_box));
+}
+
+void BoxProjector::set_columns(const View& view, const glm::dmat4& clip,
+                               const glm::dmat4& magnitude)
+{
+    size = glm::vec2{glm::max(view.size_px(), glm::ivec2{0})};
+    everywhere.rect = {0, 0, static_cast<int>(size.x), static_cast<int>(size.y)};
+    usable = glm::vec3{view.frustum().plane(Frustum::near)} != glm::vec3{0.0f};
+    const ClipConvention convention = view.convention();
+    const glm::dvec2 half_size = 0.5 * glm::dvec2{size};
+    for (int k = 0; k < 4; ++k) {
+        glm::dvec4 c = clip[k];
+        glm::dvec4 e = magnitude[k];
+        c.x = half_size.x * (c.x + c.w);
+        e.x = half_size.x * (e.x + e.w);
+        c.y = half_size.y * (c.y + c.w);
+        e.y = half_size.y * (e.y + e.w);
+        if (convention.range == DepthRange::minus_one_to_one) {
+            c.z = 0.5 * (c.z + c.w);
+            e.z = 0.5 * (e.z + e.w);
+        }
+        if (convention.order == DepthOrder::near_is_large) {
+            c.z = c.w - c.z;
+            e.z += e.w;
+        }
+        column[static_cast<size_t>(k)] = glm::vec4{c};
+        slop[static_cast<size_t>(k)] = glm::vec4{kSlop * e};
+    }
+}
+
+// What is kept of the eight corners of a box; lanes: x px, y px, depth, w.
+struct Corners {
+    Float4 least = splat(Aabb::kInfinity); ///< before the division by w
+    Float4 nearest = splat(Aabb::kInfinity);
+    Float4 farthest = splat(-Aabb::kInfinity);
+
+    void add(Float4 corner)
+    {
+        const Float4 over_w = 1.0f / splat(corner[3]);
+        const Float4 on_screen = corner * over_w;
+        least = min4(least, corner);
+        nearest = min4(nearest, on_screen);
+        farthest = max4(farthest, on_screen);
+    }
+};
+
+static inline Float4 lanes(const glm::vec4& v)
+{
+    return load4(&v.x);
+}
+
+static inline Corners all_corners(const std::array<glm::vec4, 4>& column, const glm::vec3& low,
+                                  const glm::vec3& high)
+{
+    const Float4 x[2] = {lanes(column[3]) + lanes(column[0]) * low.x,
+                         lanes(column[3]) + lanes(column[0]) * high.x};
+    const Float4 y[2] = {lanes(column[1]) * low.y, lanes(column[1]) * high.y};
+    const Float4 z[2] = {lanes(column[2]) * low.z, lanes(column[2]) * high.z};
+    Corners corners;
+    for (const Float4 over_y : y) {
+        for (const Float4 over_x : x) {
+            const Float4 xy = over_x + over_y;
+            corners.add(xy + z[0]);
+            corners.add(xy + z[1]);
+        }
+    }
+    return corners;
+}
+
+void BoxProjector::project(const Aabb& box, ScreenBounds& bounds) const
+{
+    if (!usable || !box.is_bounded()) {
+        bounds = box.is_empty() ? ScreenBounds{PixelRect{}, 1.0f, 1.0f, true} : everywhere;
+        return;
+    }
+    const float margin = inflation.margin(box);
+    const glm::vec3 low = box.min - margin;
+    const glm::vec3 high = box.max + margin;
+    const glm::vec3 reach = glm::max(detail::absolute(low), detail::absolute(high));
+    const Float4 s = lanes(slop[0]) * reach.x + lanes(slop[1]) * reach.y +
+                     lanes(slop[2]) * reach.z + lanes(slop[3]);
+    const Corners c = all_corners(column, low, high);
+    // Written so that a NaN from overflow says no.
+    const bool certain = bits_of(s < kLargestSlop) == 0xfu && c.least[2] > s[2] &&
+                         c.least[3] > 2.0f * s[3] && c.least[3] > kSmallestW;
+    if (!certain) {
+        bounds = everywhere;
+        return;
+    }
+    // (v + dv) / (w + dw) differs from v / w by at most (dv + |v / w| dw) / (w - dw).
+    const Float4 largest = max4(abs4(c.nearest), abs4(c.farthest));
+    const Float4 error = (s + largest * s[3]) * (1.0f / (c.least[3] - s[3]));
+    const Float4 zero = splat(0.0f);
+    const Float4 end{size.x, size.y, 1.0f, 1.0f};
+    const Float4 margins{-sample_inset_px, -sample_inset_px, ScreenBounds::kDepthMargin, 0.0f};
+    const Float4 from = min4(max4(c.nearest - error - margins, zero), end);
+    const Float4 to = min4(max4(c.farthest + error + margins, zero), end);
+
+    const Int4 first = truncate4(from);
+    const Int4 sides = ceil4(to) - first;
+    const bool touches = sides[0] > 0 && sides[1] > 0;
+    bounds.rect = touches ? PixelRect{first[0], first[1], sides[0], sides[1]} : PixelRect{};
+    bounds.near_depth = from[2];
+    bounds.far_depth = to[2];
+    bounds.valid = true;
+}
+
+} // namespace detail
+
+void project_query_boxes(const View& view, std::span<const QueryBox> boxes,
+                         std::span<ScreenBounds> bounds)
+{
+    OCCLUDE_ASSERT(boxes.size() == bounds.size(), "project_query_boxes needs one result per box");
+    const detail::BoxProjector from_world{view, glm::mat4{1.0f}};
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        const glm::mat4* world_from_box = boxes[i].world_from_box;
+        if (world_from_box == nullptr) {
+            from_world.project(boxes[i].box, bounds[i]);
+        } else {
+            detail::BoxProjector{view, *world_from_box}.project(boxes[i].box, bounds[i]);
+        }
+    }
+}
+
+ScreenBounds project(const View& view, const Aabb& box, SamplePositions samples)
+{
+    ScreenBounds bounds;
+    detail::BoxProjector{view, samples}.project(box, bounds);
+    return bounds;
+}
+
+static void project_by(const detail::BoxProjector& projector, std::span<const Aabb> boxes,
+                       std::span<ScreenBounds> bounds, Kernel kernel)
+{
+    OCCLUDE_ASSERT(boxes.size() == bounds.size(), "project_boxes needs one result per box");
+    if (kernel == Kernel::scalar) {
+        for (size_t i = 0; i < boxes.size(); ++i) {
+            projector.project(boxes[i], bounds[i]);
+        }
+        return;
+    }
+    detail::BoundsBlock block;
+    for (size_t first = 0; first < boxes.size(); first += block.kBoxes) {
+        const size_t count = std::min(block.kBoxes, boxes.size() - first);
+        detail::project_boxes_simd(projector, boxes.subspan(first, count), block);
+        for (size_t i = 0; i < count; ++i) {
+            bounds[first + i] = block[i];
+        }
+    }
+}
+
+void project_boxes(const View& view, std::span<const Aabb> boxes, std::span<ScreenBounds> bounds,
+                   Kernel kernel, SamplePositions samples)
+{
+    project_by(detail::BoxProjector{view, samples}, boxes, bounds, kernel);
+}
+
+void project_boxes(const View& view, const glm::mat4& world_from_object, const Inflation& inflation,
+                   std::span<const Aabb> boxes, std::span<ScreenBounds> bounds, Kernel kernel,
+                   SamplePositions samples)
+{
+    project_by(detail::BoxProjector{view, world_from_object, inflation, samples}, boxes, bounds,
+               kernel);
+}
+
+} // namespace occlude

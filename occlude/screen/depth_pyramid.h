@@ -1,0 +1,108 @@
+// A pyramid of farthest depths over a depth buffer that was read back: answers "is every pixel of
+// this rectangle nearer than that?" from a few texels.
+//
+// Implements  the z pyramid of N. Greene, M. Kass, G. Miller, "Hierarchical Z-Buffer Visibility",
+//             SIGGRAPH 1993, on the CPU and from a finished depth buffer.
+// Deviations  Level sizes are rounded up, so that pixel (x, y) lies in texel (x >> n, y >> n) of
+//             level n at every size of the target. A pyramid whose sizes are rounded down, as the
+//             mip levels of a texture are, must read up to 3x3 texels into one at odd sizes, and
+//             is wrong (objects vanish) where it reads 2x2; rounding up needs 2x2 and no rule for
+//             edges but "what is not there is not read".
+// Guarantees  Errs toward "not hidden": hides() is never true of a rectangle that has a pixel at
+//             `nearest` or farther. With Refinement::pixels it is exact.
+// Cost        build() reads each pixel once and writes a third of that; a query looks at up to 16
+//             texels, and with refinement at few more unless the rectangle's border decides.
+#pragma once
+
+#include <occlude/core/aabb.h>
+#include <occlude/core/query_device.h>
+#include <occlude/screen/kernel.h>
+#include <occlude/screen/projection.h>
+#include <occlude/screen/screen_box.h>
+
+#include <glm/vec2.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace occlude {
+
+namespace detail {
+struct PyramidLevel {
+    glm::ivec2 size;
+    size_t first; ///< of its texels, row by row from the bottom
+};
+struct TexelRange;
+struct BoundsBlock;
+} // namespace detail
+
+class DepthPyramid {
+public:
+    enum class Refinement : uint8_t {
+        none,   ///< only the coarse level where the rectangle spans at most 4x4 texels
+        pixels, ///< coarse levels first, then down to the pixels where that decides
+    };
+
+    /// Makes room for a target of this size and gives level 0 to be filled, row by row from the
+    /// bottom: window depth, 0 near to 1 far, no NaN. Then call build().
+    std::span<float> resize(glm::ivec2 size_px);
+
+    /// Makes the coarse levels from level 0.
+    void build(Kernel kernel = Kernel::simd);
+
+    bool empty() const { return levels_.empty(); }
+    glm::ivec2 size_px() const { return empty() ? glm::ivec2{0} : levels_[0].size; }
+    int level_count() const { return static_cast<int>(levels_.size()); }
+
+    /// True only if every pixel of the target inside `rect` is nearer than `nearest`: then nothing
+    /// in the rectangle at that depth or beyond can be seen. True where `rect` misses the target.
+    bool hides(const PixelRect& rect, float nearest,
+               Refinement refinement = Refinement::pixels) const;
+
+    /// The same of a box instead of its rectangle, as far as at most `most_texels` texels decide
+    /// it: true only if every sample of anything in the box is farther than its pixel. `rect` is
+    /// that of the box's ScreenBounds.
+    bool hides(const ScreenBox& box, const PixelRect& rect, uint32_t most_texels) const
+    {
+        return hides_within(box, rect, most_texels);
+    }
+    /// ... and takes what it looked at from `texels_left`, which several boxes can share.
+    bool hides_within(const ScreenBox& box, const PixelRect& rect, uint32_t& texels_left) const;
+
+    /// Writes 1 to hidden[i] where the bounds are valid and hides(rect, near_depth, refinement),
+    /// else 0, with either kernel. Precondition: hidden.size() == bounds.size().
+    void hides(std::span<const ScreenBounds> bounds, Refinement refinement,
+               std::span<uint8_t> hidden, Kernel kernel = Kernel::simd) const;
+
+    /// The same for boxes in the world, none of which needs to be inflated: project_boxes, then the
+    /// comparison. Preconditions: the depth is that of `view`; hidden.size() == boxes.size().
+    /// Nothing is hidden in a view of another size than the pyramid's.
+    void hides(const View& view, std::span<const Aabb> boxes, Refinement refinement,
+               std::span<uint8_t> hidden, Kernel kernel = Kernel::simd) const;
+
+    /// The farthest depth in `rect`, or more: the bound that the coarse level gives. 0 where `rect`
+    /// misses the target.
+    float farthest_bound(const PixelRect& rect) const;
+
+private:
+    float texel(int level, int x, int y) const
+    {
+        const detail::PyramidLevel& l = levels_[static_cast<size_t>(level)];
+        return texels_[l.first + static_cast<size_t>(y) * static_cast<size_t>(l.size.x) +
+                       static_cast<size_t>(x)];
+    }
+    bool by_vectors(Kernel kernel) const;
+    bool pixels_hide(const detail::TexelRange& pixels, float nearest) const;
+    void block_hides(const detail::BoundsBlock& block, Refinement refinement,
+                     std::span<uint8_t> hidden) const;
+    bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
+                     float nearest) const;
+    bool texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
+                     const ScreenBox& box, uint32_t& texels_left) const;
+
+    std::vector<detail::PyramidLevel> levels_;
+    std::vector<float> texels_; ///< all levels, level 0 first, and some that are never looked at
+};
+
+} // namespace occlude

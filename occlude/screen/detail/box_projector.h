@@ -1,0 +1,87 @@
+// What the projection of boxes to the screen needs of a view, and the projection itself, twice.
+#pragma once
+
+#include <occlude/core/view.h>
+#include <occlude/screen/projection.h>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace occlude::detail {
+
+/// A view as rows that map a point to (x, y, depth, 1) * w, x and y in pixels and depth from 0
+/// (near) to 1 (far), and how far a device and we ourselves may be off. See projection.cpp.
+struct BoxProjector {
+    /// For boxes in the world that are to be inflated here.
+    BoxProjector(const View& view, SamplePositions samples);
+    /// For boxes of tests: in the space of `world_from_box`, inflated already.
+    BoxProjector(const View& view, const glm::mat4& world_from_box)
+        : BoxProjector(view, world_from_box, {.per_diagonal = 0.0f, .per_coordinate = 0.0f},
+                       SamplePositions::anywhere)
+    {
+    }
+    /// For boxes in the space of `world_from_box` that are to be inflated here, in that space.
+    BoxProjector(const View& view, const glm::mat4& world_from_box, const Inflation& inflation,
+                 SamplePositions samples);
+
+    /// The specification of project() and project_boxes().
+    void project(const Aabb& box, ScreenBounds& bounds) const;
+
+    /// Beyond this much rounding (NaN included) nothing is certain, and at less than this w no
+    /// quotient: between them no result overflows.
+    static constexpr float kLargestSlop = 0x1p40f;
+    static constexpr float kSmallestW = 0x1p-60f;
+
+    void set_columns(const View& view, const glm::dmat4& clip, const glm::dmat4& magnitude);
+
+    std::array<glm::vec4, 4> column{}; ///< what one unit of x, y and z adds, and the origin
+    std::array<glm::vec4, 4> slop{};   ///< the same of the possible error, of coordinates >= 0
+    Inflation inflation;
+    glm::vec2 size{0.0f};
+    float sample_inset_px = 0.0f; ///< no sample is nearer than this to a border of its pixel
+    ScreenBounds everywhere;      ///< of a box of which nothing is known
+    bool usable = false;          ///< there is a near plane, and something is known of the view
+};
+
+/// ScreenBounds of some boxes, field by field, as vectors write and read them. In the nearest
+/// cache.
+struct BoundsBlock {
+    static constexpr size_t kBoxes = 128;
+    template <class T>
+    using Field = std::array<T, kBoxes>;
+
+    void set(size_t i, const ScreenBounds& b)
+    {
+        x[i] = b.rect.x;
+        y[i] = b.rect.y;
+        width[i] = b.rect.width;
+        height[i] = b.rect.height;
+        near_depth[i] = b.near_depth;
+        far_depth[i] = b.far_depth;
+        valid[i] = b.valid ? 1 : 0;
+    }
+    PixelRect rect(size_t i) const { return {x[i], y[i], width[i], height[i]}; }
+    ScreenBounds operator[](size_t i) const
+    {
+        return {rect(i), near_depth[i], far_depth[i], valid[i] != 0};
+    }
+
+    alignas(64) Field<int32_t> x;
+    alignas(64) Field<int32_t> y;
+    alignas(64) Field<int32_t> width;
+    alignas(64) Field<int32_t> height;
+    alignas(64) Field<float> near_depth;
+    alignas(64) Field<float> far_depth;
+    alignas(64) Field<int32_t> valid;
+};
+
+/// Does p.project() for at most BoundsBlock::kBoxes boxes, several at once.
+void project_boxes_simd(const BoxProjector& p, std::span<const Aabb> boxes, BoundsBlock& bounds);
+
+} // namespace occlude::detail

@@ -1,0 +1,141 @@
+#include <occlude/screen/projection.h>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec4.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace occlude {
+
+namespace {
+
+// A device transforms in float, perhaps to world space first: so many roundings of the largest term
+// lie between its clip coordinates and ours.
+constexpr double kTransformSlop = 8.0 * 0x1p-24;
+
+// How far a device may be off in clip coordinates, for points whose coordinates are up to `reach`.
+glm::dvec4 clip_slop(const glm::dmat4& clip, const glm::dvec3& reach)
+{
+    return kTransformSlop * (glm::abs(clip[0]) * reach.x + glm::abs(clip[1]) * reach.y +
+                             glm::abs(clip[2]) * reach.z + glm::abs(clip[3]));
+}
+
+// Makes z run from 0 (near) to w (far) in every convention; `slop` is what clip_slop says of both.
+void to_window_z(glm::dvec4& c, glm::dvec4& slop, ClipConvention convention)
+{
+    if (convention.range == DepthRange::minus_one_to_one) {
+        c.z = 0.5 * (c.z + c.w);
+        slop.z = 0.5 * (slop.z + slop.w);
+    }
+    if (convention.order == DepthOrder::near_is_large) {
+        c.z = c.w - c.z;
+        slop.z += slop.w;
+    }
+}
+
+// A clip position on the screen, x, y and window depth, and how far a device may be off.
+struct ScreenPoint {
+    glm::dvec3 at{0.0};
+    glm::dvec3 error{0.0};
+    bool before_eye = false; // beyond the near plane, with w > 0
+};
+
+ScreenPoint to_screen(glm::dvec4 c, glm::dvec4 slop, ClipConvention convention)
+{
+    to_window_z(c, slop, convention);
+    // Negated, so that a NaN from overflow counts as behind the eye.
+    if (!(c.z > slop.z && c.w > 2.0 * slop.w)) {
+        return {};
+    }
+    const glm::dvec3 p = glm::dvec3{c} / c.w;
+    // (v + dv) / (w + dw) differs from v / w by at most (dv + |v / w| dw) / (w - dw).
+    return {p, (glm::dvec3{slop} + glm::abs(p) * slop.w) / (c.w - slop.w), true};
+}
+
+// Where normalised x, y at window depth `depth` is in the world; NaN if it is not before the eye.
+glm::dvec3 unproject(const glm::dmat4& world_from_clip, const View& view, double x, double y,
+                     double depth)
+{
+    const ClipConvention convention = view.convention();
+    double z = convention.order == DepthOrder::near_is_large ? 1.0 - depth : depth;
+    z = convention.range == DepthRange::minus_one_to_one ? 2.0 * z - 1.0 : z;
+    const glm::dvec4 p = world_from_clip * glm::dvec4{x, y, z, 1.0};
+    return p.w > 0.0 ? glm::dvec3{p} / p.w : glm::dvec3{std::numeric_limits<double>::quiet_NaN()};
+}
+
+// The farthest that a device may draw the unit square under `world_from_unit`, or infinity if its
+// corners do not lie beyond those of the rectangle from `low` to `high` (normalised), by at most
+// `slack`: then it does not cover it, or is not a rectangle on the screen.
+double farthest_if_covering(const View& view, const glm::mat4& world_from_unit,
+                            const glm::dvec2& low, const glm::dvec2& high, double slack)
+{
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const glm::dmat4 clip{view.clip_from_world()};
+    double farthest = 0.0;
+    for (int k = 0; k < 4; ++k) {
+        const glm::dvec4 unit{k & 1, k >> 1, 0.0, 1.0};
+        const glm::dvec4 world = glm::dmat4{world_from_unit} * unit;
+        // The map itself is applied in float as well.
+        const glm::dvec3 reach = glm::abs(glm::dvec3{world_from_unit[0]}) +
+                                 glm::abs(glm::dvec3{world_from_unit[1]}) +
+                                 glm::abs(glm::dvec3{world_from_unit[3]});
+        const ScreenPoint p = to_screen(clip * world, clip_slop(clip, reach), view.convention());
+        const glm::dvec2 sign{(k & 1) != 0 ? 1.0 : -1.0, (k & 2) != 0 ? 1.0 : -1.0};
+        const glm::dvec2 inner{(k & 1) != 0 ? high.x : low.x, (k & 2) != 0 ? high.y : low.y};
+        const glm::dvec2 beyond = sign * (glm::dvec2{p.at} - inner) - glm::dvec2{p.error};
+        if (!p.before_eye || std::min(beyond.x, beyond.y) < 0.0 ||
+            std::max(beyond.x, beyond.y) > slack) {
+            return kInfinity;
+        }
+        farthest = std::max(farthest, p.at.z + p.error.z);
+    }
+    return farthest;
+}
+
+} // namespace
+
+std::optional<glm::mat4> world_from_rectangle(const View& view, const PixelRect& rect, float depth)
+{
+    // Larger than the pixels by this much, for the snapping of vertices and the rounding here.
+    constexpr double kOutsetPixels = 1.0 / 8.0;
+    const glm::dvec2 size{view.size_px()};
+    const glm::dvec2 low = 2.0 * glm::dvec2{rect.x, rect.y} / size - 1.0;
+    const glm::dvec2 high =
+        2.0 * glm::dvec2{rect.x + rect.width, rect.y + rect.height} / size - 1.0;
+    const glm::dvec2 outset = 2.0 * kOutsetPixels / size;
+    const glm::dvec2 snap = 0.25 * outset; // 1/32 px of it must be left on the device
+    const glm::dmat4 world_from_clip = glm::inverse(glm::dmat4{view.clip_from_world()});
+
+    // First at the depth asked for; then nearer by what a device may draw that farther.
+    double at = depth;
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        const auto corner = [&](double x, double y) {
+            return unproject(world_from_clip, view, x, y, at);
+        };
+        const glm::dvec3 origin = corner(low.x - outset.x, low.y - outset.y);
+        const glm::dvec3 right = corner(high.x + outset.x, low.y - outset.y) - origin;
+        const glm::dvec3 up = corner(low.x - outset.x, high.y + outset.y) - origin;
+        const glm::dvec3 toward = glm::cross(right, up); // keeps the map invertible
+        const glm::dvec3 normal = toward * (glm::length(right) / glm::length(toward));
+        const glm::mat4 map{glm::dmat4{glm::dvec4{right, 0.0}, glm::dvec4{up, 0.0},
+                                       glm::dvec4{normal, 0.0}, glm::dvec4{origin, 1.0}}};
+        const double farthest = farthest_if_covering(view, map, low - snap, high + snap,
+                                                     2.0 * std::max(outset.x, outset.y));
+        if (!(farthest < 2.0)) {
+            return std::nullopt;
+        }
+        const Aabb unit_square{glm::vec3{0.0f}, {1.0f, 1.0f, 0.0f}};
+        if (farthest <= depth) {
+            return view.touches_near(transformed(map, unit_square)) ? std::nullopt
+                                                                    : std::optional{map};
+        }
+        at -= 1.5 * (farthest - at);
+    }
+    return std::nullopt;
+}
+
+} // namespace occlude

@@ -1,0 +1,130 @@
+// A box on the screen, tighter than its rectangle: where its faces are, pixel by pixel.
+//
+//        . . . . . . . .        The rectangle of a box (dots) is wider than the box, and its
+//        nearest .   _/\_      .        depth is that of one corner. Here a box is what it is: the
+//        . /      \    .        intersection of six half-spaces, each of which is one linear
+//        function
+//        .|        |   .        of pixel position: the depth at which a ray enters it, or leaves
+//        it. . \_    _/    .        A ray meets the box from its last entry to its first exit, and
+//        misses . . .\/ . . . .        it if that exit comes first.
+//
+// Guarantees  Errs outward: over any block of pixels nearest_over() is no greater than the depth of
+//             any sample of anything in the box.
+// Cost        about 0.1 us to make one, a few ns per block.
+#pragma once
+
+#include <occlude/core/aabb.h>
+#include <occlude/core/view.h>
+#include <occlude/screen/projection.h>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace occlude {
+
+/// The screen of one view: pixels and window depth (0 near, 1 far in every convention) against the
+/// world, or the space of an object. Made once for all boxes of that space.
+class ScreenSpace {
+public:
+    ScreenSpace() = default;
+    /// `view` must be one in which boxes can be tested: project() is valid of some.
+    explicit ScreenSpace(const View& view, SamplePositions samples = SamplePositions::anywhere);
+
+    /// The same of the space of an object; `inflation` is Inflation::in() of that. Preconditions:
+    /// this is of the world; `world_from_object` is affine and has an inverse. About 0.1 us.
+    ScreenSpace in(const glm::mat4& world_from_object, const Inflation& inflation) const;
+
+private:
+    friend class ScreenBox;
+    Inflation inflation_;
+    glm::dvec2 size_px_{0.0};
+    glm::dmat4 world_rows_{1.0};  ///< X, Y, Z and W from (x px, y px, depth, 1), as columns
+    glm::dmat4 screen_rows_{1.0}; ///< x, y, window depth and w of clip space from the world, also
+    glm::dmat4 magnitude_{1.0};   ///< of the terms of these
+    double sample_from_ = 0.0;    ///< samples of a pixel are from here to there in it, along
+    double sample_to_ = 1.0;      ///< both axes
+};
+
+class ScreenBox {
+public:
+    /// Of `box` in the space of `screen`, the box around the things themselves (it is inflated
+    /// here, rule R2). Precondition: project(view, box).valid, or that of project_boxes() in that
+    /// space.
+    ScreenBox(const ScreenSpace& screen, const Aabb& box);
+
+    /// A depth that nothing in the box is nearer than, over all samples of the pixels from `low` to
+    /// `high`, both included; infinity if the box misses them all.
+    double nearest_over(glm::ivec2 low, glm::ivec2 high) const;
+
+    /// depth < nearest_over(low, high), but mostly from the entries alone: one texel of a pyramid.
+    bool beyond(double depth, glm::ivec2 low, glm::ivec2 high) const
+    {
+        if (!known_) {
+            return false;
+        }
+        const Samples samples = samples_of(low, high);
+        const double entry = first_entry(samples);
+        return depth < entry - depth_error_ || misses(entry, samples);
+    }
+
+private:
+    /// depth = x * dx + y * dy + at_origin, in pixels.
+    struct Plane {
+        double dx = 0.0;
+        double dy = 0.0;
+        double at_origin = 0.0;
+        double per_width = 0.0;  ///< what a block of one pixel more can add, at the corner
+        double per_height = 0.0; ///< that matters: no more than 0 for entries, no less for exits
+    };
+    /// The rectangle that holds all samples of a block of pixels.
+    struct Samples {
+        glm::dvec2 low;
+        glm::dvec2 size;
+    };
+
+    Samples samples_of(glm::ivec2 low, glm::ivec2 high) const
+    {
+        return {glm::dvec2{low} + from_px_, glm::dvec2{high - low} + (to_px_ - from_px_)};
+    }
+    static double extreme(const Plane& p, const Samples& samples)
+    {
+        return p.at_origin + p.dx * samples.low.x + p.dy * samples.low.y +
+               p.per_width * samples.size.x + p.per_height * samples.size.y;
+    }
+    /// The first depth at which some ray of the block can be inside of all entries.
+    double first_entry(const Samples& samples) const
+    {
+        double entry = -std::numeric_limits<double>::infinity();
+        for (int i = 0; i < entries_; ++i) {
+            entry = std::max(entry, extreme(planes_[static_cast<size_t>(i)], samples));
+        }
+        return entry;
+    }
+    /// True if every ray of the block has left by some exit before `entry`.
+    bool misses(double entry, const Samples& samples) const
+    {
+        for (int i = 0; i < exits_; ++i) {
+            const double exit = extreme(planes_[static_cast<size_t>(5 - i)], samples);
+            if (entry - depth_error_ > exit + depth_error_) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    std::array<Plane, 6> planes_; ///< entries from the front, exits from the back
+    int entries_ = 0;
+    int exits_ = 0;
+    double depth_error_ = 0.0;
+    double from_px_ = 0.0; ///< where samples are, from the corner of the first pixel ...
+    double to_px_ = 0.0;   ///< ... and of the last
+    bool known_ = false;
+};
+
+} // namespace occlude

@@ -1,0 +1,125 @@
+// What the user asked for, as plain data. cli.h fills it, the commands read it.
+#pragma once
+
+#include "model/scene_options.h"
+
+#include <occlude/core/option_text.h>
+#include <occlude/core/result.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
+
+#include <glm/vec2.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace occlude::tools {
+
+/// Which scene, how it is organised and who draws it: the same for every command.
+struct StageOptions {
+    std::string hierarchy = "bvh";     ///< hierarchies.h; bench and verify take several
+    std::optional<std::string> device; ///< empty: gl, or cpu where there is no OpenGL
+    std::string test = "queries";
+    std::string path = "auto";
+    size_t frames = 100;
+    glm::ivec2 size{1280, 720};
+    int samples = 1; ///< multisampling
+    uint32_t leaf_triangles = BvhOptions{}.leaf_triangles;
+    uint32_t item_triangles = SceneOptions{}.item_triangles;
+    std::string split = "centroid";
+    std::optional<std::string> cache_folder; ///< empty: default_cache_folder()
+    std::vector<std::string> sets;           ///< ALGORITHM.OPTION=VALUE, TREE.OPTION=VALUE
+};
+
+/// For bench and verify, which take the same options.
+struct CompareOptions {
+    StageOptions stage;
+    std::vector<std::string> scenes;
+    bool path_given = false; ///< verify walks several paths unless one is named
+    std::string algorithms = "all";
+    size_t repeat = 1;
+    bool verify = false;
+    std::string json; ///< file names; empty: not asked for
+    std::string csv;
+    std::string html;
+};
+
+/// For bench --suite.
+struct SuiteOptions {
+    std::string suite;
+    std::string scale = "small";
+    std::string only; ///< entries between commas; empty: all
+    std::optional<std::string> device;
+    std::optional<std::string> cache_folder;
+    std::string json; ///< file names; empty: not asked for
+    std::string csv;
+    std::string html;
+    bool add = false;   ///< keep what `json` holds of entries that are not measured
+    std::string from;   ///< a file of results to report on, instead of measuring
+    std::string report; ///< Markdown beside published figures; empty: kDefaultReport
+};
+inline constexpr const char* kDefaultReport = "out/papers.md";
+
+struct RenderOptions {
+    StageOptions stage;
+    std::string scene;
+    std::string algorithm = "chc_plus_plus";
+    std::optional<size_t> frame;
+    std::string frame_range; ///< "A:B", both included; empty: one frame
+    std::string out;
+    std::string show; ///< empty: visible, or states for the overview camera
+    std::string camera = "path";
+};
+
+struct InfoOptions {
+    StageOptions stage;
+    std::string scene;
+};
+
+struct GenerateOptions {
+    std::string scene;
+    std::string out;
+};
+
+struct ListOptions {
+    std::string what;
+    std::string scene; ///< for paths only; may be empty
+};
+
+/// "1280x720": both sides from 1 to 16384.
+Result<glm::ivec2> parse_size(std::string_view text);
+
+/// "A:B": first and last frame, first <= last.
+struct FrameRange {
+    size_t first = 0;
+    size_t last = 0;
+};
+Result<FrameRange> parse_frame_range(std::string_view text);
+
+/// "chc.threshold=20", "lazy_grid@busy.update=busy".
+struct SetOption {
+    std::string algorithm; ///< with its label
+    std::string option;
+    std::string value;
+};
+Result<SetOption> parse_set(std::string_view text);
+
+/// The settings of `sets` for an algorithm, or for a hierarchy by its tree_set_name(). What is no
+/// setting is left out: choose_contenders() says so.
+std::vector<OptionValue> settings_of(std::string_view name, std::span<const std::string> sets);
+
+/// "lazy_grid:update=busy": one of a list, with options of its own.
+struct NamedEntry {
+    std::string name;
+    std::vector<OptionValue> options;
+};
+/// Nothing if what follows the name is not OPTION=VALUE between colons.
+std::optional<NamedEntry> parse_entry(std::string_view text);
+
+/// The parts between commas; empty parts are kept.
+std::vector<std::string> split_commas(std::string_view text);
+
+} // namespace occlude::tools

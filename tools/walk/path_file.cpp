@@ -1,0 +1,134 @@
+#include "walk/path_json.h"
+#include "walk/paths.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <fstream>
+
+namespace occlude::tools {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kExample = "{\"eye\": [0,0,0], \"target\": [0,0,-1]}";
+
+Camera read_camera(PathEntry& entry)
+{
+    constexpr float kFarthest = 1e15f;
+    Camera camera;
+    entry.require("eye");
+    entry.require("target");
+    entry.read("eye", camera.eye);
+    entry.read("target", camera.target);
+    entry.read("up", camera.up);
+    entry.read("fov_y", camera.fov_y, 0.1f, 179.0f);
+    entry.read("near", camera.near, 0.0f, kFarthest);
+    entry.read("far", camera.far, 0.0f, kFarthest);
+    if (camera.eye == camera.target) {
+        entry.fail(entry.place() + ": eye and target are the same point");
+    }
+    if (camera.up == glm::vec3{0.0f}) {
+        entry.fail(entry.place() + ".up has no direction");
+    }
+    if (camera.far > 0.0f && camera.far <= camera.near) {
+        entry.fail(entry.place() + ".far must be greater than near");
+    }
+    return camera;
+}
+
+Result<std::vector<Camera>> read_frames(const std::string& file, const json& list,
+                                        size_t frame_count)
+{
+    std::vector<Camera> frames;
+    for (size_t i = 0; i < list.size() && i < frame_count; ++i) {
+        PathEntry entry(list[i], fmt::format("frames[{}]", i), kExample);
+        frames.push_back(read_camera(entry));
+        if (!entry.problem().empty()) {
+            return bad_path(file, entry.problem());
+        }
+    }
+    return frames;
+}
+
+Result<std::vector<Camera>> read_keyframes(const std::string& file, const json& list,
+                                           size_t frame_count)
+{
+    std::vector<Keyframe> keys;
+    for (size_t i = 0; i < list.size(); ++i) {
+        PathEntry entry(list[i], fmt::format("keyframes[{}]", i), kExample);
+        Keyframe key;
+        key.camera = read_camera(entry);
+        entry.require("time");
+        entry.read("time", key.time, -1e9f, 1e9f);
+        entry.read("cut", key.cut);
+        if (!keys.empty() && key.time <= keys.back().time) {
+            entry.fail(entry.place() + ".time must be later than the one before");
+        }
+        if (!entry.problem().empty()) {
+            return bad_path(file, entry.problem());
+        }
+        keys.push_back(key);
+    }
+    return interpolate(keys, frame_count);
+}
+
+json to_json(const glm::vec3& v)
+{
+    return json::array({v.x, v.y, v.z});
+}
+
+} // namespace
+
+Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame_count)
+{
+    const auto root = read_path_json(file);
+    if (!root) {
+        return root.error();
+    }
+    for (const char* form : {"frames", "keyframes"}) {
+        const auto list = root->find(form);
+        if (list == root->end()) {
+            continue;
+        }
+        if (!list->is_array() || list->empty()) {
+            return bad_path(file, fmt::format("\"{}\" must be a list with at least one entry: a "
+                                              "path needs frames",
+                                              form));
+        }
+        return std::string_view(form) == "frames" ? read_frames(file, *list, frame_count)
+                                                  : read_keyframes(file, *list, frame_count);
+    }
+    return bad_path(file, "has neither \"frames\" nor \"keyframes\"");
+}
+
+Result<size_t> write_path_file(const std::string& file, std::span<const Camera> cameras)
+{
+    json frames = json::array();
+    for (const Camera& camera : cameras) {
+        json frame{{"eye", to_json(camera.eye)},
+                   {"target", to_json(camera.target)},
+                   {"up", to_json(camera.up)},
+                   {"fov_y", camera.fov_y}};
+        if (camera.near > 0.0f) {
+            frame["near"] = camera.near;
+        }
+        if (camera.far > 0.0f) {
+            frame["far"] = camera.far;
+        }
+        frames.push_back(std::move(frame));
+    }
+    std::ofstream out(file, std::ios::binary);
+    out << json{{"version", 1}, {"frames", std::move(frames)}}.dump(1) << '\n';
+    out.flush();
+    if (!out) {
+        return Error{
+            ErrorCode::not_found,
+            fmt::format("{}: cannot be written; check the folder and its permissions", file)};
+    }
+    return cameras.size();
+}
+
+} // namespace occlude::tools
