@@ -1,7 +1,7 @@
 #include "generate/scene_source.h"
 #include "load/assimp_loader.h"
 #include "support/source_dir.h"
-#include "temp_folder.h"
+#include "tools/temp_folder.h"
 
 #include <gtest/gtest.h>
 

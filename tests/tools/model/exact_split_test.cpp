@@ -3,7 +3,7 @@
 #include "model/mesh_tools.h"
 #include "model/scene_options.h"
 #include "support/source_dir.h"
-#include "temp_folder.h"
+#include "tools/temp_folder.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include "generate/scene_source.h"
 #include "model/mesh_tools.h"
-#include "temp_folder.h"
+#include "tools/temp_folder.h"
 
 #include <gtest/gtest.h>
 
