@@ -12,6 +12,11 @@ if(TARGET occlude_gl)
   install(TARGETS occlude_gl EXPORT occlude-gl-targets FILE_SET HEADERS)
   install(EXPORT occlude-gl-targets NAMESPACE occlude:: DESTINATION ${OCCLUDE_PACKAGE_DIR})
 endif()
+if(TARGET occlude_c)
+  set_target_properties(occlude_c PROPERTIES EXPORT_NAME c)
+  install(TARGETS occlude_c EXPORT occlude-c-targets FILE_SET HEADERS)
+  install(EXPORT occlude-c-targets NAMESPACE occlude:: DESTINATION ${OCCLUDE_PACKAGE_DIR})
+endif()
 if(TARGET occlude_program)
   install(TARGETS occlude_program)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/bunny
@@ -24,6 +29,18 @@ configure_package_config_file(
   INSTALL_DESTINATION ${OCCLUDE_PACKAGE_DIR})
 write_basic_package_version_file(
   ${PROJECT_BINARY_DIR}/occlude-config-version.cmake COMPATIBILITY SameMinorVersion)
+# ... and what pkg-config tells: occlude, occlude-gl and occlude-c.
+set(OCCLUDE_PC_FILES occlude)
+if(TARGET occlude_gl)
+  list(APPEND OCCLUDE_PC_FILES occlude-gl)
+endif()
+if(TARGET occlude_c)
+  list(APPEND OCCLUDE_PC_FILES occlude-c)
+endif()
+foreach(name IN LISTS OCCLUDE_PC_FILES)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/${name}.pc.in ${PROJECT_BINARY_DIR}/${name}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()
 install(FILES ${PROJECT_BINARY_DIR}/occlude-config.cmake
               ${PROJECT_BINARY_DIR}/occlude-config-version.cmake
         DESTINATION ${OCCLUDE_PACKAGE_DIR})

@@ -14,6 +14,25 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${WORK}/installed ${common}
     -DCMAKE_PREFIX_PATH=${WORK}/prefix -DOCCLUDE_COMPONENTS=${COMPONENTS})
 run(${CMAKE_COMMAND} --build ${WORK}/installed)
 run(${WORK}/installed/consumer)
+if(EXISTS ${WORK}/installed/consumer_c)
+  run(${WORK}/installed/consumer_c)
+endif()
+
+# The same consumers by pkg-config alone.
+find_program(PKG_CONFIG pkg-config REQUIRED)
+file(GLOB_RECURSE pc_file ${WORK}/prefix/*/occlude.pc)
+get_filename_component(pc_folder ${pc_file} DIRECTORY)
+set(ENV{PKG_CONFIG_PATH} ${pc_folder})
+set(modules occlude)
+if(COMPONENTS MATCHES "gl")
+  list(APPEND modules occlude-gl)
+endif()
+execute_process(COMMAND ${PKG_CONFIG} --define-variable=prefix=${WORK}/prefix --static --cflags
+                        --libs ${modules}
+                OUTPUT_VARIABLE words OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+separate_arguments(words UNIX_COMMAND "${words} ${FLAGS}")
+run(${COMPILER} -std=c++20 ${SOURCE}/tests/install/consumer.cpp -o ${WORK}/by_pkg_config ${words})
+run(${WORK}/by_pkg_config)
 
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${WORK}/subdirectory ${common}
     -DOCCLUDE_SOURCE=${SOURCE})

@@ -1,0 +1,355 @@
+#!/usr/bin/env python3
+"""Measures what the documentation states, and writes the pages that state it.
+
+usage: measure.py run [NAME...] [--program build/bin/occlude] [--microbench build-bench/bin/occlude_benchmarks]
+                      [--machine NAME]
+       measure.py pages [--machine NAME]
+       measure.py check [--machine NAME]
+
+benchmarks/measurements.toml lists the measurements: a name, the page, the commands and the columns.
+`run` runs the commands of the named measurements (of all by default) and keeps what they print as JSON
+in benchmarks/results/MACHINE/NAME.json, with the commands, the commit, the date and the machine.
+`pages` writes docs/measurements/*.md from these files, and the blocks between
+`<!-- measured: NAME -->` and `<!-- end -->` in other pages; `<!-- measured: NAME a,b -->` shows the rows
+a and b only. `check` changes nothing and exits with 1 if
+`pages` would.
+"""
+
+import argparse
+import datetime
+import json
+import os
+import platform
+import re
+import shlex
+import statistics
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+BLOCK = re.compile(r"(<!-- measured: (\w+)(?: ([\w,]+))? -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+class Problem(Exception):
+    """What is wrong, in a sentence for the user."""
+
+
+# --- what there is to measure ---
+
+
+def load_measurements(root=ROOT):
+    """The measurements of benchmarks/measurements.toml, in order."""
+    path = root / "benchmarks" / "measurements.toml"
+    try:
+        listed = tomllib.loads(path.read_text("utf-8"))["measurement"]
+    except (OSError, tomllib.TOMLDecodeError, KeyError) as error:
+        raise Problem(f"{path}: {error}") from error
+    for entry in listed:
+        for key in ("name", "page", "title", "rows", "columns"):
+            if key not in entry:
+                raise Problem(f"{path}: measurement {entry.get('name', '?')} has no '{key}'")
+    return listed
+
+
+def machine_folder(root, machine):
+    """The folder of results: the named one, or the only one there is."""
+    results = root / "benchmarks" / "results"
+    if machine:
+        return results / machine
+    folders = sorted(path for path in results.iterdir() if path.is_dir())
+    if len(folders) != 1:
+        raise Problem(f"{results} has {len(folders)} machines; name one with --machine")
+    return folders[0]
+
+
+# --- running ---
+
+
+def processor():
+    """The processor's name and the number of cores."""
+    name = platform.processor() or platform.machine()
+    try:
+        for line in Path("/proc/cpuinfo").read_text("utf-8").splitlines():
+            if line.startswith("model name"):
+                name = line.split(":", 1)[1].strip()
+                break
+    except OSError:
+        pass
+    return f"{name}, {os.cpu_count()} cores"
+
+
+def without_frames(document):
+    """The document of `bench --json` or of a suite without single frames: they are not shown."""
+    if isinstance(document, dict):
+        return {
+            key: without_frames(value)
+            for key, value in document.items()
+            if not (key == "frames" and isinstance(value, list))
+        }
+    if isinstance(document, list):
+        return [without_frames(value) for value in document]
+    return document
+
+
+def run_command(command, programs):
+    """Runs one command of a measurement and returns the JSON it writes."""
+    words = shlex.split(command)
+    kind = words[0]
+    if kind not in programs:
+        raise Problem(f"'{command}' starts with {kind}; it must start with {' or '.join(programs)}")
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "out.json"
+        json_words = {"occlude": ["--json", str(out)], "microbench": [f"--benchmark_out={out}"]}
+        done = subprocess.run([programs[kind], *words[1:], *json_words[kind]], cwd=ROOT, check=False)
+        if not out.exists():
+            raise Problem(f"'{command}' ended with {done.returncode} and wrote no JSON")
+        return without_frames(json.loads(out.read_text("utf-8")))
+
+
+def measure(entry, folder, programs):
+    """Runs all commands of a measurement and keeps what they say."""
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.strip()
+    kept = {
+        "name": entry["name"],
+        "date": datetime.date.today().isoformat(),
+        "commit": commit,
+        "machine": processor(),
+        "rows": [
+            {"command": row["command"], "document": run_command(row["command"], programs)}
+            for row in entry["rows"]
+        ],
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / f"{entry['name']}.json").write_text(json.dumps(kept, indent=1) + "\n", "utf-8")
+
+
+# --- tables ---
+
+
+def look_up(value, path):
+    """The value behind "frame_ms.median" in nested objects; None where there is none."""
+    for key in path.split("."):
+        value = value.get(key) if isinstance(value, dict) else None
+    return value
+
+
+def shown(value, digits=3):
+    """A number as a table shows it: `digits` significant ones, thousands separated."""
+    if value is None:
+        return ""
+    if isinstance(value, str):
+        return value
+    if value == 0:
+        return "0"
+    if abs(value) >= 10 ** (digits - 1):
+        return f"{value:,.0f}"
+    return f"{float(f'{value:.{digits}g}'):g}"
+
+
+def documents_of(document):
+    """The documents of single scenes: of a suite many, else one."""
+    return document.get("documents", [document])
+
+
+def runs_of(document):
+    """(scene name, run) of each run of a document of `occlude bench`."""
+    for part in documents_of(document):
+        for run in part["runs"]:
+            yield part["scene"]["name"], run
+
+
+def run_of(document, algorithm):
+    """The run of an algorithm, as --algorithms names it."""
+    for _, run in runs_of(document):
+        if run["algorithm"] == algorithm:
+            return run
+    raise Problem(f"there is no run of {algorithm}")
+
+
+def table_of_runs(entry, kept):
+    """One row for each run of the first command."""
+    columns = entry["columns"]
+    lines = [[""] + [column["title"] for column in columns]]
+    for _, run in runs_of(kept["rows"][0]["document"]):
+        lines.append([f"`{run['algorithm']}`"] + [shown(look_up(run, c["value"])) for c in columns])
+    return lines
+
+
+def table_of_rows(entry, kept):
+    """One row for each command; a column names an algorithm and a value of its run."""
+    columns = entry["columns"]
+    lines = [[entry.get("row_title", "")] + [column["title"] for column in columns]]
+    for row, measured in zip(entry["rows"], kept["rows"]):
+        cells = [row["label"]]
+        for column in columns:
+            cells.append(shown(look_up(run_of(measured["document"], column["run"]), column["value"])))
+        lines.append(cells)
+    return lines
+
+
+def table_of_microbench(entry, kept):
+    """One row for each benchmark of all commands, or for each repetition's median where there are some."""
+    columns = entry["columns"]
+    lines = [[entry.get("row_title", "benchmark")] + [column["title"] for column in columns]]
+    for measured in kept["rows"]:
+        benchmarks = measured["document"]["benchmarks"]
+        medians = [run for run in benchmarks if run.get("aggregate_name") == "median"]
+        for run in medians or benchmarks:
+            name = run.get("run_name", run["name"]).removesuffix("/manual_time").removesuffix("/real_time")
+            cells = [f"`{name}`"]
+            for column in columns:
+                value = run.get(column["value"])
+                cells.append(shown(value * column.get("times", 1) if value is not None else None))
+            lines.append(cells)
+    return lines
+
+
+def table_of_trees(entry, kept):
+    """How much longer an algorithm takes on a tree than on the best one: geometric means over scenes."""
+    algorithms = [column["run"] for column in entry["columns"]]
+    ratios = {}
+    for measured in kept["rows"]:
+        for part in documents_of(measured["document"]):
+            medians = {}
+            for run in part["runs"]:
+                medians.setdefault(run["algorithm"], {})[run["hierarchy"]] = run["frame_ms"]["median"]
+            for algorithm in algorithms:
+                best = min(medians[algorithm].values())
+                for tree, median in medians[algorithm].items():
+                    ratios.setdefault(tree, {}).setdefault(algorithm, []).append(median / best)
+    lines = [["tree"] + [column["title"] for column in entry["columns"]]]
+    for tree, of_algorithm in ratios.items():
+        means = [statistics.geometric_mean(of_algorithm[algorithm]) for algorithm in algorithms]
+        lines.append([f"`{tree}`"] + [f"{mean:.2f}" for mean in means])
+    return lines
+
+
+TABLES = {
+    "runs": table_of_runs,
+    "rows": table_of_rows,
+    "trees": table_of_trees,
+    "microbench": table_of_microbench,
+}
+
+
+def markdown(lines):
+    """Lines of cells as a Markdown table; figures to the right."""
+    head, *body = lines
+    rule = ["---"] + ["---:"] * (len(head) - 1)
+    return "".join("| " + " | ".join(cells) + " |\n" for cells in [head, rule, *body])
+
+
+def section(entry, kept):
+    """What a page says of one measurement."""
+    text = f"## {entry['title']}\n\n"
+    if "text" in entry:
+        text += entry["text"].strip() + "\n\n"
+    text += table(entry, kept) + "\n"
+    commands = "\n".join(dict.fromkeys(row["command"] for row in kept["rows"]))
+    renderers = {
+        look_up(part, "device.renderer") for row in kept["rows"] for part in documents_of(row["document"])
+    } - {None}
+    where = ", ".join([kept["machine"], *sorted(renderers)])
+    text += f"```\n{commands}\n```\n\nCommit {kept['commit']}, {kept['date']}, {where}.\n"
+    return text
+
+
+def table(entry, kept, only=None):
+    """The table of a measurement, in Markdown; only the rows of these names if there are any."""
+    head, *body = TABLES[entry.get("table", "runs")](entry, kept)
+    if only is not None:
+        names = {cells[0].strip("`") for cells in body}
+        missing = [name for name in only if name not in names]
+        if missing:
+            raise Problem(f"{entry['name']} has no row {', '.join(missing)}")
+        body = [cells for cells in body if cells[0].strip("`") in only]
+    return markdown([head, *body])
+
+
+# --- pages ---
+
+
+def page_texts(root, measurements, folder):
+    """{path: text} of all files that `pages` writes."""
+    kept = {}
+    for entry in measurements:
+        file = folder / f"{entry['name']}.json"
+        if file.exists():
+            kept[entry["name"]] = json.loads(file.read_text("utf-8"))
+    pages = {}
+    for entry in measurements:
+        if entry["name"] in kept:
+            pages.setdefault(entry["page"], []).append(section(entry, kept[entry["name"]]))
+    texts = {}
+    for page, sections in pages.items():
+        title = page.replace("_", " ").capitalize()
+        head = (
+            f"# Measured: {title}\n\n"
+            "Written by `scripts/measure.py pages` from `benchmarks/results/`; not by hand. "
+            "`scripts/measure.py run` measures again.\n\n"
+        )
+        texts[root / "docs" / "measurements" / f"{page}.md"] = head + "\n".join(sections)
+    by_name = {entry["name"]: entry for entry in measurements}
+    for path in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
+        old = texts.get(path) or path.read_text("utf-8")
+
+        def fill(match):
+            name = match[2]
+            if name not in kept:
+                raise Problem(f"{path.relative_to(root)}: there is no result of '{name}'")
+            rows = match[3].split(",") if match[3] else None
+            return match[1] + table(by_name[name], kept[name], rows) + match[4]
+
+        new = BLOCK.sub(fill, old)
+        if new != old or path in texts:
+            texts[path] = new
+    return texts
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("verb", choices=("run", "pages", "check"))
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--program", default="build/bin/occlude")
+    parser.add_argument("--microbench", default="build-bench/bin/occlude_benchmarks")
+    parser.add_argument("--machine")
+    options = parser.parse_args(arguments)
+    measurements = load_measurements()
+    folder = machine_folder(ROOT, options.machine)
+    known = [entry["name"] for entry in measurements]
+    for name in options.names:
+        if name not in known:
+            raise Problem(f"there is no measurement '{name}'; there are {', '.join(known)}")
+    if options.verb == "run":
+        programs = {
+            "occlude": str(ROOT / options.program),
+            "microbench": str(ROOT / options.microbench),
+        }
+        for entry in measurements:
+            if not options.names or entry["name"] in options.names:
+                print(f"measure: {entry['name']}", file=sys.stderr)
+                measure(entry, folder, programs)
+        return 0
+    stale = 0
+    for path, text in page_texts(ROOT, measurements, folder).items():
+        if path.exists() and path.read_text("utf-8") == text:
+            continue
+        stale += 1
+        if options.verb == "pages":
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, "utf-8")
+        print(f"measure: {'wrote' if options.verb == 'pages' else 'stale:'} {path.relative_to(ROOT)}")
+    return 1 if options.verb == "check" and stale else 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except Problem as problem:
+        print(f"measure: {problem}", file=sys.stderr)
+        sys.exit(2)
