@@ -31,8 +31,8 @@
 //             per five to fifty hidden nodes, and tens of state changes per frame.
 #pragma once
 
-#include <occlude/cull/chc_plus_plus_math.h>
 #include <occlude/cull/culler.h>
+#include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/cull_frame.h>
 #include <occlude/cull/parts/distance_queue.h>
 #include <occlude/cull/parts/fifo.h>

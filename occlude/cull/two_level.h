@@ -27,8 +27,8 @@
 //             without oriented boxes.
 #pragma once
 
-#include <occlude/cull/chc_plus_plus_math.h>
 #include <occlude/cull/culler.h>
+#include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/cull_frame.h>
 #include <occlude/screen/projection.h>
 
