@@ -21,7 +21,7 @@ enum class References { always, if_asked };
 Result<std::vector<Contender>> choose_contenders(const std::string& list,
                                                  std::span<const std::string> sets,
                                                  const DeviceCaps& caps, References references,
-                                                 const Clock& clock = steady_clock());
+                                                 const SecondsClock& clock = steady_clock());
 
 /// Which algorithms meet which hierarchies: what --algorithms and --hierarchy say.
 struct Pairing {
