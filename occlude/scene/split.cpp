@@ -23,6 +23,8 @@ constexpr size_t kCandidates = 15;
 /// A plane is worth it only if either side has at most this share of the triangles.
 constexpr double kLargestShare = 0.9;
 constexpr uint32_t kMaxDepth = 64;
+/// A plane cuts a triangle into at most three pieces, two more than before.
+constexpr uint64_t kMostAddedPerCut = 2;
 
 struct Plane {
     int axis = 0;
@@ -75,6 +77,7 @@ public:
             triangles.push_back({{indices[i], indices[i + 1], indices[i + 2]}});
         }
         if (!triangles.empty()) {
+            growth_left_ = (kMaxSplitGrowth - 1) * uint64_t{triangles.size()};
             out_.tree.nodes.resize(1);
             split(0, std::move(triangles), 0);
             emit_parts();
@@ -242,8 +245,9 @@ private:
         }
     }
 
-    // The plane of least area * triangles of both sides; nothing if none parts the triangles.
-    std::optional<Plane> choose_plane(std::span<const Triangle> triangles) const
+    // The plane of least area * triangles of both sides; nothing if none parts the triangles, or
+    // each that does cuts more of them than may be added.
+    std::optional<Plane> choose_plane(std::span<const Triangle> triangles)
     {
         std::vector<Aabb> boxes;
         for (const Triangle& t : triangles) {
@@ -252,6 +256,7 @@ private:
         const auto most = kLargestShare * static_cast<double>(triangles.size());
         double least = std::numeric_limits<double>::infinity();
         std::optional<Plane> best;
+        bool grows_too_much = false;
         std::vector<float> borders;
         for (int axis = 0; axis < 3; ++axis) {
             borders.clear();
@@ -265,18 +270,27 @@ private:
                                                                                 (kCandidates + 1));
                 std::nth_element(borders.begin(), rank, borders.end());
                 const Plane plane{axis, *rank};
-                const double cost = cost_of(boxes, plane, most);
-                if (cost < least) {
-                    least = cost;
+                const Cost cost = cost_of(boxes, plane, most);
+                const bool fits = cost.cuts * kMostAddedPerCut <= growth_left_;
+                if (cost.value < least && fits) {
+                    least = cost.value;
                     best = plane;
                 }
+                grows_too_much = grows_too_much || (cost.value < least && !fits);
             }
         }
+        out_.unsplit_parts += !best && grows_too_much ? 1 : 0;
         return best;
     }
 
-    static double cost_of(std::span<const Aabb> boxes, const Plane& plane, double most)
+    struct Cost {
+        double value = std::numeric_limits<double>::infinity();
+        uint64_t cuts = 0; ///< triangles across the plane
+    };
+
+    static Cost cost_of(std::span<const Aabb> boxes, const Plane& plane, double most)
     {
+        Cost cost;
         std::array<Aabb, 2> side;
         std::array<double, 2> count{};
         for (const Aabb& box : boxes) {
@@ -291,6 +305,7 @@ private:
             }
             Aabb clipped = box;
             if (low && high) {
+                ++cost.cuts;
                 clipped.max[plane.axis] = plane.at;
                 side[0] = merge(side[0], clipped);
                 clipped = box;
@@ -300,10 +315,11 @@ private:
                 side[low ? 0 : 1] = merge(side[low ? 0 : 1], box);
             }
         }
-        if (count[0] > most || count[1] > most) {
-            return std::numeric_limits<double>::infinity();
+        if (count[0] <= most && count[1] <= most) {
+            cost.value =
+                double{surface_area(side[0])} * count[0] + double{surface_area(side[1])} * count[1];
         }
-        return double{surface_area(side[0])} * count[0] + double{surface_area(side[1])} * count[1];
+        return cost;
     }
 
     void make_leaf(uint32_t node, std::vector<Triangle> triangles)
@@ -330,6 +346,9 @@ private:
                 clip(piece, *plane, low, high);
             }
         }
+        const size_t pieces = low.size() + high.size();
+        const size_t added = pieces > triangles.size() ? pieces - triangles.size() : 0;
+        growth_left_ -= std::min<uint64_t>(growth_left_, added);
         triangles = {};
         if (low.empty() || high.empty()) { // what was there shrank to lines
             make_leaf(node, std::move(low.empty() ? high : low));
@@ -370,6 +389,7 @@ private:
     }
 
     uint32_t max_triangles_;
+    uint64_t growth_left_ = 0; ///< triangles that may still be added
     SplitMesh out_;
     std::vector<uint32_t> points_;  ///< per vertex: its point
     std::vector<glm::vec3> places_; ///< per point
@@ -385,9 +405,11 @@ private:
 SplitMesh split_triangles(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                           std::span<const uint32_t> indices, uint32_t max_triangles)
 {
-    OCCLUDE_ASSERT(indices.size() % 3 == 0, "indices come in threes");
-    OCCLUDE_ASSERT(positions.size() == normals.size(), "a normal for each position");
-    OCCLUDE_ASSERT(max_triangles > 0, "a part holds at least one triangle");
+    OCCLUDE_ASSERT(indices.size() % 3 == 0,
+                   "split_triangles() needs three indices for each triangle");
+    OCCLUDE_ASSERT(positions.size() == normals.size(),
+                   "split_triangles() needs a normal for each position");
+    OCCLUDE_ASSERT(max_triangles > 0, "a part must be allowed to hold at least one triangle");
     return Splitter{positions, normals, std::max(max_triangles, 1u)}.run(indices);
 }
 
