@@ -2,6 +2,7 @@
 
 #include <occlude/core/assert.h>
 #include <occlude/core/rng.h>
+#include <occlude/scene/detail/split_plane.h>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -10,7 +11,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -18,18 +18,11 @@
 namespace occlude {
 namespace {
 
-/// Planes are tried at this many places per axis.
-constexpr size_t kCandidates = 15;
-/// A plane is worth it only if either side has at most this share of the triangles.
-constexpr double kLargestShare = 0.9;
 constexpr uint32_t kMaxDepth = 64;
 /// A plane cuts a triangle into at most three pieces, two more than before.
 constexpr uint64_t kMostAddedPerCut = 2;
 
-struct Plane {
-    int axis = 0;
-    float at = 0.0f;
-};
+using Plane = detail::SplitPlane;
 
 struct Triangle {
     std::array<uint32_t, 3> corner{};
@@ -245,81 +238,18 @@ private:
         }
     }
 
-    // The plane of least area * triangles of both sides; nothing if none parts the triangles, or
-    // each that does cuts more of them than may be added.
+    // Nothing if no plane parts the triangles, or each that does cuts more of them than may be
+    // added.
     std::optional<Plane> choose_plane(std::span<const Triangle> triangles)
     {
         std::vector<Aabb> boxes;
         for (const Triangle& t : triangles) {
             boxes.push_back(box_of(t));
         }
-        const auto most = kLargestShare * static_cast<double>(triangles.size());
-        double least = std::numeric_limits<double>::infinity();
-        std::optional<Plane> best;
-        bool grows_too_much = false;
-        std::vector<float> borders;
-        for (int axis = 0; axis < 3; ++axis) {
-            borders.clear();
-            for (const Aabb& box : boxes) {
-                if (box.is_bounded()) {
-                    borders.push_back(box.max[axis]);
-                }
-            }
-            for (size_t k = 1; k <= kCandidates && !borders.empty(); ++k) {
-                const auto rank = borders.begin() + static_cast<std::ptrdiff_t>(borders.size() * k /
-                                                                                (kCandidates + 1));
-                std::nth_element(borders.begin(), rank, borders.end());
-                const Plane plane{axis, *rank};
-                const Cost cost = cost_of(boxes, plane, most);
-                const bool fits = cost.cuts * kMostAddedPerCut <= growth_left_;
-                if (cost.value < least && fits) {
-                    least = cost.value;
-                    best = plane;
-                }
-                grows_too_much = grows_too_much || (cost.value < least && !fits);
-            }
-        }
-        out_.unsplit_parts += !best && grows_too_much ? 1 : 0;
-        return best;
-    }
-
-    struct Cost {
-        double value = std::numeric_limits<double>::infinity();
-        uint64_t cuts = 0; ///< triangles across the plane
-    };
-
-    static Cost cost_of(std::span<const Aabb> boxes, const Plane& plane, double most)
-    {
-        Cost cost;
-        std::array<Aabb, 2> side;
-        std::array<double, 2> count{};
-        for (const Aabb& box : boxes) {
-            const bool low = !box.is_bounded() || box.min[plane.axis] < plane.at ||
-                             box.max[plane.axis] <= plane.at;
-            const bool high = box.is_bounded() && box.max[plane.axis] > plane.at;
-            if (low) {
-                ++count[0];
-            }
-            if (high) {
-                ++count[1];
-            }
-            Aabb clipped = box;
-            if (low && high) {
-                ++cost.cuts;
-                clipped.max[plane.axis] = plane.at;
-                side[0] = merge(side[0], clipped);
-                clipped = box;
-                clipped.min[plane.axis] = plane.at;
-                side[1] = merge(side[1], clipped);
-            } else if (box.is_bounded()) {
-                side[low ? 0 : 1] = merge(side[low ? 0 : 1], box);
-            }
-        }
-        if (count[0] <= most && count[1] <= most) {
-            cost.value =
-                double{surface_area(side[0])} * count[0] + double{surface_area(side[1])} * count[1];
-        }
-        return cost;
+        const detail::SplitChoice choice =
+            detail::choose_split_plane(boxes, growth_left_ / kMostAddedPerCut);
+        out_.unsplit_parts += !choice.plane && choice.cuts_too_many ? 1 : 0;
+        return choice.plane;
     }
 
     void make_leaf(uint32_t node, std::vector<Triangle> triangles)

@@ -6,7 +6,6 @@
 #include <occlude/device/recording_device.h>
 #include <occlude/device/replay_device.h>
 #include <occlude/device/scripted_device.h>
-#include <occlude/device/validating_device.h>
 
 #include <gtest/gtest.h>
 
