@@ -22,7 +22,6 @@
 #include <functional>
 #include <optional>
 #include <utility>
-#include <variant>
 #include <vector>
 
 namespace occlude::tools {
@@ -32,10 +31,25 @@ namespace {
 template <class Options>
 struct Field {
     std::string_view key;
-    std::variant<uint64_t Options::*, uint32_t Options::*> member;
+    uint64_t (*get)(const Options&);
+    void (*set)(Options&, uint64_t);
     uint64_t least;
-    uint64_t most; ///< fits the member
+    uint64_t most;
 };
+
+/// Precondition: `most` fits the member.
+template <auto kMember, class Options, class Number>
+Field<Options> field_of(Number Options::*, std::string_view key, uint64_t least, uint64_t most)
+{
+    return {key, [](const Options& options) { return uint64_t{options.*kMember}; },
+            [](Options& options, uint64_t value) { options.*kMember = static_cast<Number>(value); },
+            least, most};
+}
+template <auto kMember>
+auto field(std::string_view key, uint64_t least, uint64_t most)
+{
+    return field_of<kMember>(kMember, key, least, most);
+}
 
 struct Generator {
     GeneratorInfo info;
@@ -55,18 +69,12 @@ std::string short_count(uint64_t value)
 }
 
 template <class Options>
-uint64_t value_of(const Options& options, const Field<Options>& field)
-{
-    return std::visit([&](auto member) { return uint64_t{options.*member}; }, field.member);
-}
-
-template <class Options>
 std::optional<Error> read_fields(std::string_view source, std::string_view text,
                                  std::span<const Field<Options>> fields, Options& options)
 {
     std::vector<uint64_t> values;
     for (const Field<Options>& field : fields) {
-        values.push_back(value_of(options, field));
+        values.push_back(field.get(options));
     }
     std::vector<Parameter> parameters;
     for (size_t i = 0; i < fields.size(); ++i) {
@@ -74,9 +82,7 @@ std::optional<Error> read_fields(std::string_view source, std::string_view text,
     }
     auto problem = parse_parameters(source, text, parameters);
     for (size_t i = 0; i < fields.size(); ++i) {
-        std::visit(
-            [&]<class T>(T Options::*member) { options.*member = static_cast<T>(values[i]); },
-            fields[i].member);
+        fields[i].set(options, values[i]);
     }
     return problem;
 }
@@ -86,10 +92,11 @@ template <class Options>
 Generator describe(std::string name, std::string description, std::vector<Field<Options>> fields,
                    auto generate)
 {
+    const Options defaults;
     std::string parameters;
     for (const Field<Options>& field : fields) {
         parameters += fmt::format("{}{}={}", parameters.empty() ? "" : ",", field.key,
-                                  short_count(value_of(Options{}, field)));
+                                  short_count(field.get(defaults)));
     }
     const auto make = [fields = std::move(fields),
                        generate](std::string_view source, std::string_view text,
@@ -119,25 +126,24 @@ void add_towns(std::vector<Generator>& table)
         "city",
         "streets between blocks of buildings with windows, balconies, roofs and street furniture; "
         "blocks: per side",
-        {{"blocks", &City::blocks, 1, 64},
-         {"seed", &City::seed, 0, kMostSeed},
-         {"triangles", &City::triangles, 1000, kMostTriangles}},
+        {field<&City::blocks>("blocks", 1, 64), field<&City::seed>("seed", 0, kMostSeed),
+         field<&City::triangles>("triangles", 1000, kMostTriangles)},
         generate_city));
     table.push_back(describe<BoxCity>(
         "boxcity",
         "a city in which every object is one box: buildings, and blocks and boxes beside and on "
         "them; triangles: of each",
-        {{"count", &BoxCity::count, 100, kMostObjects},
-         {"triangles", &BoxCity::triangles, 12, 10000},
-         {"seed", &BoxCity::seed, 0, kMostSeed}},
+        {field<&BoxCity::count>("count", 100, kMostObjects),
+         field<&BoxCity::triangles>("triangles", 12, 10000),
+         field<&BoxCity::seed>("seed", 0, kMostSeed)},
         generate_boxcity));
     table.push_back(describe<Vienna>(
         "vienna",
         "an old town: narrow, winding streets, courtyards, steep roofs with dormers; blocks: per "
         "side",
-        {{"blocks", &Vienna::blocks, 1, 64},
-         {"triangles", &Vienna::triangles, 1000, kMostTriangles},
-         {"seed", &Vienna::seed, 0, kMostSeed}},
+        {field<&Vienna::blocks>("blocks", 1, 64),
+         field<&Vienna::triangles>("triangles", 1000, kMostTriangles),
+         field<&Vienna::seed>("seed", 0, kMostSeed)},
         generate_vienna));
 }
 
@@ -151,23 +157,22 @@ void add_places(std::vector<Generator>& table)
         "library",
         "rows of shelves without backs, full of books, with reading places; triangles: of each "
         "book",
-        {{"books", &Library::books, 1, kMostObjects},
-         {"triangles", &Library::triangles, 12, 2000},
-         {"seed", &Library::seed, 0, kMostSeed}},
+        {field<&Library::books>("books", 1, kMostObjects),
+         field<&Library::triangles>("triangles", 12, 2000),
+         field<&Library::seed>("seed", 0, kMostSeed)},
         generate_library));
     table.push_back(describe<Plant>(
         "plant",
         "an industrial plant: floors with boilers, tube bundles, pipe racks, tanks and stairs, "
         "and a yard",
-        {{"triangles", &Plant::triangles, 1000, kMostTriangles},
-         {"objects", &Plant::objects, 40, 20000},
-         {"seed", &Plant::seed, 0, kMostSeed}},
+        {field<&Plant::triangles>("triangles", 1000, kMostTriangles),
+         field<&Plant::objects>("objects", 40, 20000), field<&Plant::seed>("seed", 0, kMostSeed)},
         generate_plant));
     table.push_back(describe<Forest>(
         "forest", "spruces and broad-leaved trees on rolling ground: leaky occluders",
-        {{"triangles", &Forest::triangles, 1000, kMostTriangles},
-         {"trees", &Forest::trees, 1, kMostObjects},
-         {"seed", &Forest::seed, 0, kMostSeed}},
+        {field<&Forest::triangles>("triangles", 1000, kMostTriangles),
+         field<&Forest::trees>("trees", 1, kMostObjects),
+         field<&Forest::seed>("seed", 0, kMostSeed)},
         generate_forest));
 }
 
@@ -182,42 +187,41 @@ void add_crowds(std::vector<Generator>& table)
     using Hollow = HollowOptions;
     table.push_back(describe<Boxes>(
         "boxes", "boxes at random places in a cube of 100 m",
-        {{"count", &Boxes::count, 1, 10000000}, {"seed", &Boxes::seed, 0, kMostSeed}},
+        {field<&Boxes::count>("count", 1, 10000000), field<&Boxes::seed>("seed", 0, kMostSeed)},
         generate_boxes));
     table.push_back(describe<Movers>(
         "movers",
         "boxes, slabs and lumps that fly and tumble in a cube of 70 m; one in four appears and "
         "vanishes; triangles: of all together",
-        {{"count", &Movers::count, 1, kMostObjects},
-         {"seed", &Movers::seed, 0, kMostSeed},
-         {"triangles", &Movers::triangles, 12, kMostTriangles}},
+        {field<&Movers::count>("count", 1, kMostObjects),
+         field<&Movers::seed>("seed", 0, kMostSeed),
+         field<&Movers::triangles>("triangles", 12, kMostTriangles)},
         generate_movers));
     table.push_back(describe<Blobs>(
         "blobs",
         "interpenetrating blobs that move straight in a crowd, as the bunnies of the literature "
         "do; triangles: of each",
-        {{"count", &Blobs::count, 1, kMostObjects},
-         {"seed", &Blobs::seed, 0, kMostSeed},
-         {"triangles", &Blobs::triangles, 12, 1000000}},
+        {field<&Blobs::count>("count", 1, kMostObjects), field<&Blobs::seed>("seed", 0, kMostSeed),
+         field<&Blobs::triangles>("triangles", 12, 1000000)},
         generate_blobs));
     table.push_back(describe<Bunnies>(
         "bunnies",
         "interpenetrating Stanford bunnies that move straight in a crowd; triangles: of each, at "
         "most",
-        {{"count", &Bunnies::count, 1, kMostObjects},
-         {"triangles", &Bunnies::triangles, 100, 1000000},
-         {"seed", &Bunnies::seed, 0, kMostSeed}},
+        {field<&Bunnies::count>("count", 1, kMostObjects),
+         field<&Bunnies::triangles>("triangles", 100, 1000000),
+         field<&Bunnies::seed>("seed", 0, kMostSeed)},
         generate_bunnies));
     table.push_back(describe<Teapots>(
         "teapots",
         "Utah teapots at random places in a cube, in all orientations; triangles: of each",
-        {{"count", &Teapots::count, 1, kMostObjects},
-         {"triangles", &Teapots::triangles, 64, 1000000},
-         {"seed", &Teapots::seed, 0, kMostSeed}},
+        {field<&Teapots::count>("count", 1, kMostObjects),
+         field<&Teapots::triangles>("triangles", 64, 1000000),
+         field<&Teapots::seed>("seed", 0, kMostSeed)},
         generate_teapots));
-    const std::vector<Field<Hollow>> hollow{{"count", &Hollow::count, 1, kMostObjects},
-                                            {"triangles", &Hollow::triangles, 4, 100000},
-                                            {"seed", &Hollow::seed, 0, kMostSeed}};
+    const std::vector<Field<Hollow>> hollow{field<&Hollow::count>("count", 1, kMostObjects),
+                                            field<&Hollow::triangles>("triangles", 4, 100000),
+                                            field<&Hollow::seed>("seed", 0, kMostSeed)};
     table.push_back(describe<Hollow>(
         "pyramids",
         "pyramids behind each other: objects whose boxes stand out where they do not; triangles: "
