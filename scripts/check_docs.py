@@ -29,7 +29,6 @@ OWN_OPTION = re.compile(r"\b([a-z_]+)[.:]([a-z_]+)=")
 # Names that stand for whatever the reader writes.
 PLACEHOLDER = re.compile(r"\b(my_|x_builder|your[-_])|\bFILE\.|\bNAME\b")
 SOURCE_FOLDERS = ("occlude", "tools", "examples", "tests", "benchmarks")
-FOLDERS = ("", "occlude", "tools", "tests", "docs", "examples")
 # Where the options come from that a page may name: of the program, of ./dev and of the scripts.
 OPTION_SOURCES = ("tools/commands/*.cpp", "tools/viewer/*.cpp", "dev", "scripts/*.py")
 # Options of other programs that pages speak of.
@@ -80,20 +79,16 @@ class Sources:
         self.own_options = set(re.findall(r'visit\(\s*"(\w+)"', text))
         self.options = set(re.findall(r"--[a-z][\w-]*", option_text))
         skipped = (".git", "build", "out")
-        self.file_names = {
-            path.name
-            for path in root.rglob("*")
-            if not any(part.startswith(skipped) for part in path.relative_to(root).parts[:1])
-        }
+        self.file_names = set()  # every path, and every path that it ends with
+        for path in root.rglob("*"):
+            parts = path.relative_to(root).parts
+            if not parts[0].startswith(skipped):
+                self.file_names.update("/".join(parts[start:]) for start in range(len(parts)))
 
     def has_file(self, name, beside):
         """True if a page or header in the folder `beside` may call a file by this name."""
         names = [name.replace("{h,cpp}", end) for end in ("h", "cpp")] if "{h,cpp}" in name else [name]
-        places = [self.root / folder for folder in FOLDERS] + [beside]
-        return all(
-            any((place / one).exists() for place in places) or ("/" not in one and one in self.file_names)
-            for one in names
-        )
+        return all(one in self.file_names or (beside / one).exists() for one in names)
 
 
 def unknown_names(root, sources):

@@ -14,7 +14,7 @@ enum class Watcher { terminal, none };
 class Progress {
 public:
     Progress(std::ostream& err, Watcher watcher, std::string label,
-             SecondsClock clock = steady_clock());
+             SecondsClock clock = steady_seconds_clock());
     /// Wipes the bar away.
     ~Progress();
     Progress(const Progress&) = delete;

@@ -1,7 +1,5 @@
 #include "measure/timing_device.h"
 
-#include <chrono>
-
 namespace occlude::tools {
 
 namespace {
@@ -26,14 +24,6 @@ private:
 };
 
 } // namespace
-
-SecondsClock steady_clock()
-{
-    return [] {
-        const auto now = std::chrono::steady_clock::now().time_since_epoch();
-        return std::chrono::duration<double>(now).count();
-    };
-}
 
 void TimingDevice::restart()
 {

@@ -7,9 +7,6 @@
 
 namespace occlude::tools {
 
-/// The machine's own clock.
-SecondsClock steady_clock();
-
 class TimingDevice final : public ForwardingDevice {
 public:
     /// `inner` outlives the decorator.
