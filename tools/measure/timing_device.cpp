@@ -1,5 +1,7 @@
 #include "measure/timing_device.h"
 
+#include <chrono>
+
 namespace occlude::tools {
 
 namespace {
@@ -7,7 +9,7 @@ namespace {
 // Adds the lifetime of the object to a sum of seconds.
 class Span {
 public:
-    Span(const SecondsClock& clock, double& sum)
+    Span(const Clock& clock, double& sum)
         : clock_(clock)
         , sum_(sum)
         , start_(clock())
@@ -18,12 +20,20 @@ public:
     Span& operator=(const Span&) = delete;
 
 private:
-    const SecondsClock& clock_;
+    const Clock& clock_;
     double& sum_;
     double start_;
 };
 
 } // namespace
+
+Clock steady_clock()
+{
+    return [] {
+        const auto now = std::chrono::steady_clock::now().time_since_epoch();
+        return std::chrono::duration<double>(now).count();
+    };
+}
 
 void TimingDevice::restart()
 {
@@ -36,44 +46,44 @@ void TimingDevice::restart()
 void TimingDevice::begin_frame(const View& view)
 {
     const Span span{clock_, verb_seconds_};
-    inner().begin_frame(view);
+    inner_.begin_frame(view);
 }
 
 void TimingDevice::draw(std::span<const ItemId> items, DrawPass pass)
 {
     const Span span{clock_, verb_seconds_};
-    inner().draw(items, pass);
+    inner_.draw(items, pass);
 }
 
 void TimingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
     const Span span{clock_, verb_seconds_};
-    inner().query(batch, tickets);
+    inner_.query(batch, tickets);
 }
 
 Ticket TimingDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
 {
     const Span span{clock_, verb_seconds_};
-    return inner().draw_and_query(items, pass);
+    return inner_.draw_and_query(items, pass);
 }
 
 void TimingDevice::flush()
 {
     const Span span{clock_, verb_seconds_};
-    inner().flush();
+    inner_.flush();
 }
 
 Answer TimingDevice::poll(Ticket ticket)
 {
     const Span span{clock_, verb_seconds_};
     ++polls_;
-    return inner().poll(ticket);
+    return inner_.poll(ticket);
 }
 
 Answer TimingDevice::wait(Ticket ticket)
 {
     const double start = clock_();
-    const Answer answer = inner().wait(ticket);
+    const Answer answer = inner_.wait(ticket);
     const double seconds = clock_() - start;
     verb_seconds_ += seconds;
     wait_seconds_ += seconds;
@@ -83,7 +93,7 @@ Answer TimingDevice::wait(Ticket ticket)
 bool TimingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
     const double start = clock_();
-    const bool read = inner().read_depth(rect, out);
+    const bool read = inner_.read_depth(rect, out);
     const double seconds = clock_() - start;
     verb_seconds_ += seconds;
     read_seconds_ += seconds;
@@ -93,7 +103,7 @@ bool TimingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 void TimingDevice::end_frame()
 {
     const Span span{clock_, verb_seconds_};
-    inner().end_frame();
+    inner_.end_frame();
 }
 
 } // namespace occlude::tools

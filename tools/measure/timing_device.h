@@ -2,16 +2,21 @@
 // to the culler.
 #pragma once
 
-#include <occlude/core/clock.h>
-#include <occlude/device/forwarding_device.h>
+#include <occlude/core/query_device.h>
+
+#include <functional>
 
 namespace occlude::tools {
 
-class TimingDevice final : public ForwardingDevice {
+/// Seconds since some fixed moment; never goes back.
+using Clock = std::function<double()>;
+Clock steady_clock();
+
+class TimingDevice final : public QueryDevice {
 public:
     /// `inner` outlives the decorator.
-    TimingDevice(QueryDevice& inner, SecondsClock clock)
-        : ForwardingDevice(inner)
+    TimingDevice(QueryDevice& inner, Clock clock)
+        : inner_(inner)
         , clock_(std::move(clock))
     {
     }
@@ -26,6 +31,7 @@ public:
     uint64_t polls() const { return polls_; }
     void restart();
 
+    const DeviceCaps& caps() const override { return inner_.caps(); }
     void begin_frame(const View& view) override;
     void draw(std::span<const ItemId> items, DrawPass pass) override;
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
@@ -37,7 +43,8 @@ public:
     void end_frame() override;
 
 private:
-    SecondsClock clock_;
+    QueryDevice& inner_;
+    Clock clock_;
     double verb_seconds_ = 0.0;
     double wait_seconds_ = 0.0;
     double read_seconds_ = 0.0;
