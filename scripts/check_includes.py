@@ -3,7 +3,7 @@
 
     core <- screen <- hierarchy <- hierarchy/builders <- scene
                       hierarchy <- cull/parts <- cull/adaptive <- cull
-    core <- screen <- effects, device, backends/*     (they never see a tree or an algorithm)
+    core <- screen <- effects <- device; core <- screen <- backends/*    (none sees an algorithm)
     cull <- c                                         (the C interface)
     files <- model <- load, walk <- generate ; model <- render <- measure <- report <- suites <- commands
 
@@ -29,7 +29,7 @@ ALLOWED = {
         "core", "screen", "hierarchy", "hierarchy/builders", "cull/parts", "cull/adaptive", "cull",
     },
     "effects": {"core", "screen", "hierarchy", "effects"},
-    "device": {"core", "screen", "device"},
+    "device": {"core", "screen", "effects", "device"},
     "c": {"core", "screen", "hierarchy", "hierarchy/builders", "cull/parts", "cull", "c"},
     "backends/gl": {"core", "screen", "backends/gl"},
     "backends/cpu": {"core", "screen", "backends/cpu"},

@@ -8,7 +8,7 @@
 
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/cull/chc_plus_plus.h>
-#include <occlude/effects/flare_visibility.h>
+#include <occlude/device/flare_device.h>
 #include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <glm/ext/matrix_clip_space.hpp>

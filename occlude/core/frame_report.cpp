@@ -72,6 +72,8 @@ static const char* sentence(FramePlan::Reason reason)
         return "the device cannot test";
     case FramePlan::Reason::chosen:
         return "as the option says";
+    case FramePlan::Reason::useless_clock:
+        return "by hints: the clock stands still or is too coarse";
     case FramePlan::Reason::none:
         break;
     }

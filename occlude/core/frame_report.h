@@ -91,6 +91,7 @@ struct FramePlan {
         probe,            ///< it did not: looked again at the end of the frame
         no_tests,         ///< the device cannot test
         chosen,           ///< an option says so
+        useless_clock,    ///< as the device's hints say: the clock stands still or is coarse
     };
     Kind kind = Kind::fixed;
     Reason reason = Reason::none;

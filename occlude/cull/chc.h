@@ -70,7 +70,7 @@ private:
     };
 
     void cull_frame(CullFrame& frame) override;
-    void reset_state() override;
+    void reset_state() override { states_.clear(); }
     Guarantee guarantee() const override;
 
     void visit_node(CullFrame& frame, DistanceQueue::Entry entry);

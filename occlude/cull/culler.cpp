@@ -27,4 +27,13 @@ void Culler::reset()
     reset_state();
 }
 
+void Culler::release(QueryDevice& device)
+{
+    reset();
+    for (const Ticket ticket : record_.abandoned_tickets) {
+        device.wait(ticket);
+    }
+    record_.abandoned_tickets.clear();
+}
+
 } // namespace occlude

@@ -33,6 +33,11 @@ public:
     /// Forgets everything seen: for a camera cut, a new level, another device.
     void reset();
 
+    /// Forgets everything seen, and spends the tickets that it still owes `device`, the one of its
+    /// last frames: for a culler that is destroyed before the device. Blocks until the tests are
+    /// answered; comes between frames.
+    void release(QueryDevice& device);
+
     /// The items drawn by the last cull(), in draw order, each once. Valid until the next cull().
     std::span<const ItemId> drawn_items() const { return record_.drawn_items; }
 
@@ -50,6 +55,10 @@ protected:
     /// unless an algorithm knows better.
     virtual void structure_changed() { reset(); }
     virtual Guarantee guarantee() const { return Guarantee::exact(); }
+
+    /// Gives up a test that is not answered yet: the frames to come spend its ticket as soon as its
+    /// answer is there, so that the device can use the place for another test.
+    void abandon(Ticket ticket) { record_.abandoned_tickets.push_back(ticket); }
 
 private:
     const Hierarchy& hierarchy_;

@@ -36,17 +36,10 @@ uint64_t NextFrame::visible_samples(NodeId object) const
 void NextFrame::reset_state()
 {
     for (const NodeId object : pending_) {
-        abandoned_.push_back(states_[object.value].ticket);
+        abandon(states_[object.value].ticket);
     }
     pending_.clear();
     states_.clear();
-}
-
-// Tickets that nobody will ask for still count among the device's outstanding ones.
-void NextFrame::drop_abandoned(CullFrame& frame)
-{
-    std::erase_if(abandoned_,
-                  [&](Ticket ticket) { return frame.poll(ticket).state != AnswerState::pending; });
 }
 
 void NextFrame::handle_result(NodeId object, const Answer& answer, uint32_t stamp)
@@ -161,7 +154,6 @@ void NextFrame::cull_frame(CullFrame& frame)
     if (options_.depth_only_pass) {
         frame.use_depth_only_pass();
     }
-    drop_abandoned(frame);
     collect_results(frame);
 
     box_tests_.clear();

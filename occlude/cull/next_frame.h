@@ -93,7 +93,6 @@ private:
     void reset_state() override;
     Guarantee guarantee() const override;
 
-    void drop_abandoned(CullFrame& frame);
     void collect_results(CullFrame& frame);
     void handle_result(NodeId object, const Answer& answer, uint32_t stamp);
     void draw_untested(CullFrame& frame, const ObjectTests::Object& object, Decision decision);
@@ -106,7 +105,6 @@ private:
     std::vector<ObjectState> states_;
     std::vector<NodeId> pending_;       ///< objects whose result is outstanding
     std::vector<NodeId> still_pending_; ///< of them, in collect_results
-    std::vector<Ticket> abandoned_;     ///< outstanding when the state was reset
     std::vector<NodeId> box_tests_;     ///< objects tested by their box at the end of this frame
     TestBatch batch_;
     std::vector<Ticket> tickets_;

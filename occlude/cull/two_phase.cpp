@@ -1,60 +1,63 @@
 #include <occlude/cull/two_phase.h>
 
-#include <algorithm>
-
 namespace occlude {
 
 namespace {
 
-// Drawing a triangle costs as much as looking at some texels: the faces of a box are tested with
-// half a texel per triangle, in these bounds.
-constexpr uint64_t kLeastTexels = 32;
-constexpr uint64_t kMostTexels = 4096;
-
+// Which siblings become one entry of the cut again is a matter of chance; this is its seed.
 constexpr uint64_t kSeed = 1;
 
 } // namespace
 
+// Work is counted in triangles here: one costs as much as half a texel that a test looks at.
 TwoPhase::TwoPhase(const Hierarchy& hierarchy, TwoPhaseOptions options)
-    : CutCuller(hierarchy, DepthTests{options.refine}, options.shapes)
+    : Culler(hierarchy)
     , options_(options)
+    , cut_(hierarchy)
+    , depth_(cut_, DepthTests{options.refine}, options.shapes)
 {
+    cut_.set_prices({.us_per_unit = 1.0, .stop_at_virtual_leaves = options.virtual_leaves});
+    depth_.set_budget({.texels_per_us = 0.5,
+                       .max_texels = 4096.0,
+                       .min_texels = 32.0,
+                       .texels_below_min = 32,
+                       .test_us = DepthTestBudget::kAlways});
 }
 
-bool TwoPhase::opens(NodeId node) const
+void TwoPhase::reset_state()
 {
-    return options_.virtual_leaves ? !hierarchy().is_leaf(node) : has_parts(node);
-}
-
-uint32_t TwoPhase::most_texels(const Entry& entry) const
-{
-    return static_cast<uint32_t>(std::clamp(triangles_of(entry) / 2, kLeastTexels, kMostTexels));
-}
-
-bool TwoPhase::read_again(CullFrame& frame)
-{
-    return options_.reread_triangles > 0 && frame.caps().read_depth &&
-           frame.queued_triangles() >= options_.reread_triangles && read(frame);
+    cut_.forget();
 }
 
 void TwoPhase::cull_frame(CullFrame& frame)
 {
-    depth_.start_frame(frame.samples());
-    sort_out(frame);
-    draw_expected(frame);
+    cut_.start_frame();
+    depth_.start_frame(frame);
+
+    // Phase 1: draw what was visible in the last frame, and make the pyramid of its depth.
+    cut_.sort_out(frame);
+    cut_.draw_visible(frame);
     if (frame.caps().read_depth) {
         frame.start_draws();
     }
-    project_all(frame);
-    read(frame);
-    test_candidates(frame);
-    reveal(frame);
-    frame.flush_draws();
-    if (options_.final_depth) {
-        read(frame);
+    depth_.project_all(frame); // while the device draws
+    depth_.read(frame);
+
+    // Phase 2: test the rest against it, and draw what is not hidden.
+    // With 0 depth is never read again: the difference wraps to more than can ever wait.
+    const uint64_t max_waiting_triangles = options_.reread_triangles - 1;
+    depth_.test_candidates(frame);
+    while (depth_.reveal(frame, static_cast<double>(max_waiting_triangles))) {
+        depth_.read(frame);
     }
-    retest(frame);
-    finish_cut(frame, kSeed);
+    frame.flush_draws();
+
+    // The visible set of the next frame.
+    if (options_.final_depth) {
+        depth_.read(frame);
+    }
+    depth_.retest(frame);
+    cut_.finish(frame, kSeed, [&](NodeId node) { return depth_.node_hidden(frame, node); });
 }
 
 } // namespace occlude

@@ -3,27 +3,28 @@
 // Implements  the scheme of U. Haar, S. Aaltonen, "GPU-Driven Rendering Pipelines", SIGGRAPH 2015
 //             courses, over the z pyramid of N. Greene, M. Kass, G. Miller, "Hierarchical Z-Buffer
 //             Visibility", SIGGRAPH 1993.
-// Map         phase 1, draw what was visible last frame -> draw_expected
-//             build the depth pyramid                   -> DepthTests::read
-//             phase 2, test and draw the rest           -> test_candidates, reveal
-//             the visible set of the next frame         -> retest
+// Map         phase 1, draw what was visible last frame -> CutTraversal::draw_visible
+//             build the depth pyramid                   -> DepthTraversal::read
+//             phase 2, test and draw the rest           -> DepthTraversal::test_candidates, reveal
+//             the visible set of the next frame         -> DepthTraversal::retest
 // Deviations  The pyramid is built on the CPU from one read-back of the target, and boxes are
-// tested
-//             there: by their rectangles, and then by their faces. Tests are hierarchical: the
-//             traversal starts from the cut of the last frame (cut_culler.h), and a hidden node
-//             hides its subtree. Phase 2 reads depth again after `reread_triangles` newly visible
-//             triangles, so that a camera cut, where phase 1 draws nothing, is not drawn as a
-//             whole.
-// Guarantees  exact: every item in the frustum is drawn, or lies in a node or is one that was, in
-//             this frame, wholly behind what was drawn. What is drawn in phase 1 and hidden now
-//             costs time, never pixels, and is dropped in the next frame.
+//             tested there: by their rectangles, and then by their faces. Tests are hierarchical:
+//             the traversal starts from the cut of the last frame (cut_traversal.h), and a hidden
+//             node hides its subtree. Phase 2 reads depth again after `reread_triangles` newly
+//             visible triangles, so that a camera cut, where phase 1 draws nothing, does not draw
+//             everything in the frustum.
+// Guarantees  exact: every item in the frustum is drawn, or lies in a node, or is one itself, that
+//             was, in this frame, wholly behind what was drawn. What is drawn in phase 1 and hidden
+//             now costs time, never pixels, and the next frame drops it.
 // Cost        O(entries of the cut): one depth read-back per frame and one more per
 //             `reread_triangles` revealed; well below a microsecond per test; no queries. Without
 //             caps.read_depth nothing can be hidden: everything in the frustum is drawn, in one
 //             batch, still exact.
 #pragma once
 
-#include <occlude/cull/cut_culler.h>
+#include <occlude/cull/culler.h>
+#include <occlude/cull/parts/cut_traversal.h>
+#include <occlude/cull/parts/depth_traversal.h>
 
 #include <cstdint>
 
@@ -34,31 +35,34 @@ struct TwoPhaseOptions {
     /// drawing three triangles.
     bool virtual_leaves = false;
     /// Go down to single pixels where the coarse levels do not decide, and test the faces of boxes
-    /// where rectangles do not. Otherwise at most 4x4 texels are looked at, as on a GPU.
+    /// where rectangles do not hide them. Otherwise at most 4x4 texels are looked at, as on a GPU.
     bool refine = true;
-    /// Read depth again when so many newly visible triangles wait to be drawn in phase 2, before
+    /// Read depth again when this many newly visible triangles wait to be drawn in phase 2, before
     /// more is tested. 0: never.
     uint64_t reread_triangles = 16384;
     /// Choose the visible set of the next frame by the depth of the finished frame, read back once
-    /// more, instead of what was read last.
+    /// more, instead of by the depth that was read last.
     bool final_depth = false;
     /// Test the shapes of items (item_shapes.h) where their boxes are not hidden.
     bool shapes = true;
 };
 
-class TwoPhase final : public CutCuller {
+class TwoPhase final : public Culler {
 public:
     explicit TwoPhase(const Hierarchy& hierarchy, TwoPhaseOptions options = {});
 
+    const HierarchyCut& cut() const { return cut_.cut(); }
+    /// True if something of `node` was found visible by the last frame and will be drawn first in
+    /// the next. O(entries of the cut).
+    bool visible(NodeId node) const { return cut_.visible(node); }
+
 private:
     void cull_frame(CullFrame& frame) override;
-    void reset_state() override { cut_.clear(); }
-
-    bool opens(NodeId node) const override;
-    uint32_t most_texels(const Entry& entry) const override;
-    bool read_again(CullFrame& frame) override;
+    void reset_state() override;
 
     TwoPhaseOptions options_;
+    CutTraversal cut_;
+    DepthTraversal depth_;
 };
 
 template <class Visit>
@@ -71,7 +75,7 @@ void visit_options(TwoPhaseOptions& o, Visit&& visit)
     visit("final_depth", o.final_depth,
           "choose what is drawn first in the next frame by this frame's final depth");
     visit("shapes", o.shapes,
-          "test the boxes of which an item consists where its own is not hidden");
+          "test the boxes of an item's shape where the item's own box is not hidden");
 }
 
 } // namespace occlude

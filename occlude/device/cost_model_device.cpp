@@ -4,7 +4,7 @@
 
 namespace occlude {
 
-// Looking whether an answer is there takes a little: who does nothing else gets there at last.
+// A poll takes time, so that a caller that does nothing but poll gets its answer.
 constexpr double kPollUs = 0.2;
 
 void CostModelDevice::work(double us)
@@ -30,18 +30,18 @@ Ticket CostModelDevice::hold(Ticket inner)
 void CostModelDevice::begin_frame(const View& view)
 {
     work(costs_.per_frame);
-    inner_.begin_frame(view);
+    inner().begin_frame(view);
 }
 
 void CostModelDevice::draw(std::span<const ItemId> items, DrawPass pass)
 {
     work(drawing_us(items));
-    inner_.draw(items, pass);
+    inner().draw(items, pass);
 }
 
 void CostModelDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
-    inner_.query(batch, tickets);
+    inner().query(batch, tickets);
     work(costs_.per_batch);
     uint32_t first = 0;
     for (size_t i = 0; i < tickets.size(); ++i) {
@@ -54,7 +54,7 @@ void CostModelDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 Ticket CostModelDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
 {
     work(drawing_us(items) + costs_.per_test);
-    return hold(inner_.draw_and_query(items, pass));
+    return hold(inner().draw_and_query(items, pass));
 }
 
 Answer CostModelDevice::poll(Ticket ticket)
@@ -67,7 +67,7 @@ Answer CostModelDevice::poll(Ticket ticket)
     if (host_us_ < test->known_at_us) {
         return Answer::pending();
     }
-    const Answer answer = inner_.wait(test->inner);
+    const Answer answer = inner().wait(test->inner);
     tests_.release(ticket);
     return answer;
 }
@@ -79,14 +79,14 @@ Answer CostModelDevice::wait(Ticket ticket)
         return Answer::lost();
     }
     host_us_ = std::max(host_us_, test->known_at_us);
-    const Answer answer = inner_.wait(test->inner);
+    const Answer answer = inner().wait(test->inner);
     tests_.release(ticket);
     return answer;
 }
 
 bool CostModelDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
-    if (!inner_.read_depth(rect, out)) {
+    if (!inner().read_depth(rect, out)) {
         return false;
     }
     work(costs_.per_depth_read + costs_.per_pixel_read * static_cast<double>(out.size()));
@@ -96,7 +96,7 @@ bool CostModelDevice::read_depth(const PixelRect& rect, std::span<float> out)
 
 void CostModelDevice::end_frame()
 {
-    inner_.end_frame();
+    inner().end_frame();
     host_us_ = std::max(host_us_, device_us_);
 }
 

@@ -1,16 +1,15 @@
 // A device whose work takes the time that a model says, on a clock of its own: how would algorithms
 // do on hardware with other costs than this machine's? The same answer in every run.
 //
-//   host     the program's time. Verbs take none of it; poll(), wait(), read_depth() and the end of
-//   a
-//            frame do.
-//   device   works through what it was given in order, beginning at once. wait() and read_depth()
-//            bring the host to the moment when the device has come so far, and the answer has come
-//            back. end_frame() waits for all of it.
+//   host     the program's time. poll(), wait(), read_depth() and end_frame() take some of it; the
+//            other verbs take none.
+//   device   works through its commands in order and starts at once. wait() and read_depth() move
+//            the host's time to the moment when the device has finished the command and the answer
+//            has come back. end_frame() waits for all commands.
 #pragma once
 
-#include <occlude/core/query_device.h>
 #include <occlude/core/ticket_table.h>
+#include <occlude/device/forwarding_device.h>
 
 #include <cstdint>
 #include <span>
@@ -32,12 +31,12 @@ struct DeviceCosts {
     double latency = 5.0; ///< until the host knows what the device has found
 };
 
-class CostModelDevice final : public QueryDevice {
+class CostModelDevice final : public ForwardingDevice {
 public:
     /// Keeps references: `inner`, which answers, and the triangle counts outlive this device.
     CostModelDevice(QueryDevice& inner, const DeviceCosts& costs,
                     std::span<const uint32_t> triangles_by_item)
-        : inner_(inner)
+        : ForwardingDevice(inner)
         , costs_(costs)
         , triangles_by_item_(triangles_by_item)
     {
@@ -46,13 +45,11 @@ public:
     /// The host's time, in seconds.
     double seconds() const { return 1e-6 * host_us_; }
 
-    /// The hints are those of `inner`: they know nothing of the model.
-    const DeviceCaps& caps() const override { return inner_.caps(); }
+    // caps() are those of `inner`: its hints know nothing of the model.
     void begin_frame(const View& view) override;
     void draw(std::span<const ItemId> items, DrawPass pass) override;
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
     Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override;
-    void flush() override { inner_.flush(); }
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
@@ -68,7 +65,6 @@ private:
     double drawing_us(std::span<const ItemId> items) const;
     Ticket hold(Ticket inner);
 
-    QueryDevice& inner_;
     DeviceCosts costs_;
     std::span<const uint32_t> triangles_by_item_;
     TicketTable<Test> tests_;

@@ -52,13 +52,13 @@ void CountingDevice::begin_frame(const View& view)
     earlier_ += frame_;
     frame_ = {};
     state_ = State::drawing;
-    inner_.begin_frame(view);
+    inner().begin_frame(view);
 }
 
 void CountingDevice::draw(std::span<const ItemId> items, DrawPass pass)
 {
     count_draw(items, pass);
-    inner_.draw(items, pass);
+    inner().draw(items, pass);
 }
 
 void CountingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
@@ -67,7 +67,7 @@ void CountingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
     ++frame_.batches;
     frame_.queries += batch.test_ends.size();
     frame_.boxes += batch.boxes.size();
-    inner_.query(batch, tickets);
+    inner().query(batch, tickets);
 
     uint32_t begin = 0;
     for (size_t i = 0; i < batch.test_ends.size(); ++i) {
@@ -87,23 +87,23 @@ Ticket CountingDevice::draw_and_query(std::span<const ItemId> items, DrawPass pa
 {
     count_draw(items, pass);
     ++frame_.queries;
-    return inner_.draw_and_query(items, pass);
+    return inner().draw_and_query(items, pass);
 }
 
 Answer CountingDevice::poll(Ticket ticket)
 {
-    return count_answer(ticket, inner_.poll(ticket));
+    return count_answer(ticket, inner().poll(ticket));
 }
 
 Answer CountingDevice::wait(Ticket ticket)
 {
     ++frame_.waits;
-    return count_answer(ticket, inner_.wait(ticket));
+    return count_answer(ticket, inner().wait(ticket));
 }
 
 bool CountingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
-    if (!inner_.read_depth(rect, out)) {
+    if (!inner().read_depth(rect, out)) {
         return false;
     }
     ++frame_.depth_reads;

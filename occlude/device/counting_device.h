@@ -15,13 +15,13 @@
 #pragma once
 
 #include <occlude/core/frame_report.h>
-#include <occlude/core/query_device.h>
+#include <occlude/device/forwarding_device.h>
 
 #include <set>
 
 namespace occlude {
 
-class CountingDevice final : public QueryDevice {
+class CountingDevice final : public ForwardingDevice {
 public:
     struct Options {
         std::span<const uint32_t> triangles_by_item = {}; ///< empty: triangles are not counted
@@ -34,7 +34,7 @@ public:
     {
     }
     CountingDevice(QueryDevice& inner, Options options)
-        : inner_(inner)
+        : ForwardingDevice(inner)
         , options_(options)
     {
     }
@@ -44,16 +44,13 @@ public:
     /// All frames so far.
     FrameCounters total() const;
 
-    const DeviceCaps& caps() const override { return inner_.caps(); }
     void begin_frame(const View& view) override;
     void draw(std::span<const ItemId> items, DrawPass pass) override;
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
     Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override;
-    void flush() override { inner_.flush(); }
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
-    void end_frame() override { inner_.end_frame(); }
 
 private:
     enum class State : uint8_t { drawing, querying };
@@ -62,7 +59,6 @@ private:
     void count_draw(std::span<const ItemId> items, DrawPass pass);
     Answer count_answer(Ticket ticket, Answer answer);
 
-    QueryDevice& inner_;
     Options options_;
     FrameCounters frame_;
     FrameCounters earlier_; ///< the frames before this one

@@ -44,7 +44,7 @@ Answer DelayingDevice::pass_on(Ticket ticket, const Test& test, Answer answer)
 
 void DelayingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
-    inner_.query(batch, tickets);
+    inner().query(batch, tickets);
     for (Ticket& ticket : tickets) {
         ticket = hold(ticket);
     }
@@ -52,7 +52,7 @@ void DelayingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 
 Ticket DelayingDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
 {
-    return hold(inner_.draw_and_query(items, pass));
+    return hold(inner().draw_and_query(items, pass));
 }
 
 Answer DelayingDevice::poll(Ticket ticket)
@@ -65,19 +65,19 @@ Answer DelayingDevice::poll(Ticket ticket)
     if (polls_before < test->ready_at_poll || frames_ended_ < test->ready_at_frame) {
         return Answer::pending();
     }
-    return pass_on(ticket, *test, inner_.poll(test->inner));
+    return pass_on(ticket, *test, inner().poll(test->inner));
 }
 
 Answer DelayingDevice::wait(Ticket ticket)
 {
     const Test* test = tests_.find(ticket);
-    return test ? pass_on(ticket, *test, inner_.wait(test->inner)) : Answer::lost();
+    return test ? pass_on(ticket, *test, inner().wait(test->inner)) : Answer::lost();
 }
 
 void DelayingDevice::end_frame()
 {
     ++frames_ended_;
-    inner_.end_frame();
+    inner().end_frame();
 }
 
 } // namespace occlude

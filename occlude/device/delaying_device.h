@@ -2,8 +2,8 @@
 // ones in every run.
 #pragma once
 
-#include <occlude/core/query_device.h>
 #include <occlude/core/ticket_table.h>
+#include <occlude/device/forwarding_device.h>
 
 namespace occlude {
 
@@ -19,27 +19,19 @@ struct DelayOptions {
 
 /// poll() answers pending until the delay is over, without asking the device; wait() gets the
 /// answer at once, as always. A lost test answers lost when it would have been answered.
-class DelayingDevice final : public QueryDevice {
+class DelayingDevice final : public ForwardingDevice {
 public:
     /// Keeps a reference: `inner` outlives this device.
     DelayingDevice(QueryDevice& inner, DelayOptions options)
-        : inner_(inner)
+        : ForwardingDevice(inner)
         , options_(options)
     {
     }
 
-    const DeviceCaps& caps() const override { return inner_.caps(); }
-    void begin_frame(const View& view) override { inner_.begin_frame(view); }
-    void draw(std::span<const ItemId> items, DrawPass pass) override { inner_.draw(items, pass); }
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
     Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override;
-    void flush() override { inner_.flush(); }
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
-    bool read_depth(const PixelRect& rect, std::span<float> out) override
-    {
-        return inner_.read_depth(rect, out);
-    }
     void end_frame() override;
 
 private:
@@ -55,7 +47,6 @@ private:
     Ticket hold(Ticket inner);
     Answer pass_on(Ticket ticket, const Test& test, Answer answer);
 
-    QueryDevice& inner_;
     DelayOptions options_;
     TicketTable<Test> tests_;
     uint64_t tests_issued_ = 0;

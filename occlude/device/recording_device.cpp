@@ -1,353 +1,19 @@
 #include <occlude/device/recording_device.h>
 
-#include <algorithm>
-#include <bit>
-#include <istream>
-#include <iterator>
-#include <ostream>
-#include <string_view>
+#include <occlude/device/detail/recorded_calls.h>
 
 namespace occlude {
 
-namespace {
-
-// The format: this mark, the caps, the calls, and the FNV-1a hash of all bytes before it. Numbers
-// are little-endian; lists start with their length as 32 bits.
-constexpr std::string_view kMark = "occlrec2";
-
-using Bytes = std::string;
-
-uint64_t fnv1a(std::string_view bytes)
-{
-    uint64_t hash = 0xcbf29ce484222325ull;
-    for (const char c : bytes) {
-        hash = (hash ^ static_cast<uint8_t>(c)) * 0x100000001b3ull;
-    }
-    return hash;
-}
-
-class Writer {
-public:
-    Bytes bytes;
-
-    void number(const uint64_t& value, int size)
-    {
-        for (int i = 0; i < size; ++i) {
-            bytes.push_back(static_cast<char>(value >> (8 * i) & 0xff));
-        }
-    }
-    template <class T>
-    void list(const std::vector<T>& values, auto&& transfer_one)
-    {
-        number(values.size(), 4);
-        for (const T& value : values) {
-            transfer_one(value);
-        }
-    }
-};
-
-/// Reads numbers until the bytes end or make no sense; then it has failed and reads zeros.
-class Reader {
-public:
-    explicit Reader(std::string_view bytes)
-        : bytes_(bytes)
-    {
-    }
-
-    bool failed = false;
-
-    bool at_end() const { return at_ == bytes_.size(); }
-
-    void number(uint64_t& value, int size)
-    {
-        value = 0;
-        failed = failed || bytes_.size() - at_ < static_cast<size_t>(size);
-        for (int i = 0; !failed && i < size; ++i) {
-            value |= uint64_t{static_cast<uint8_t>(bytes_[at_++])} << (8 * i);
-        }
-    }
-    template <class T>
-    void list(std::vector<T>& values, auto&& transfer_one)
-    {
-        uint64_t count = 0;
-        number(count, 4);
-        values.clear();
-        // One by one: a wrong count ends at the end of the bytes, not of the memory.
-        for (uint64_t i = 0; !failed && i < count; ++i) {
-            transfer_one(values.emplace_back());
-        }
-    }
-
-private:
-    std::string_view bytes_;
-    size_t at_ = 0;
-};
-
-/// Writes or reads values field by field, so that both agree on the order.
-template <class Stream>
-class Archive {
-public:
-    explicit Archive(Stream& stream)
-        : stream_(stream)
-    {
-    }
-
-    template <class T>
-    void whole(T& value)
-    {
-        uint64_t bits = static_cast<uint64_t>(value);
-        stream_.number(bits, static_cast<int>(sizeof(T)));
-        assign(value, bits);
-    }
-
-    /// An enum or a flag: an error if it is above `last`.
-    template <class T>
-    void choice(T& value, std::remove_const_t<T> last)
-    {
-        uint64_t bits = static_cast<uint64_t>(value);
-        stream_.number(bits, 1);
-        if constexpr (kReads) {
-            stream_.failed = stream_.failed || bits > static_cast<uint64_t>(last);
-        }
-        assign(value, bits);
-    }
-
-    template <class T>
-    void real(T& value)
-    {
-        uint64_t bits = std::bit_cast<uint32_t>(value);
-        stream_.number(bits, 4);
-        if constexpr (kReads) {
-            value = std::bit_cast<float>(static_cast<uint32_t>(bits));
-        }
-    }
-
-    template <class T>
-    void matrix(T& m)
-    {
-        for (int column = 0; column < 4; ++column) {
-            for (int row = 0; row < 4; ++row) {
-                real(m[column][row]);
-            }
-        }
-    }
-
-    template <class T>
-    void list(T& values, auto&& transfer_one)
-    {
-        stream_.list(values, transfer_one);
-    }
-
-private:
-    static constexpr bool kReads = std::is_same_v<Stream, Reader>;
-
-    template <class T>
-    void assign([[maybe_unused]] T& value, [[maybe_unused]] uint64_t bits)
-    {
-        if constexpr (kReads) {
-            value = static_cast<T>(bits);
-        }
-    }
-
-    Stream& stream_;
-};
-
-template <class Stream, class Box>
-void transfer_box(Archive<Stream>& archive, Box& box)
-{
-    for (int axis = 0; axis < 3; ++axis) {
-        archive.real(box.box.min[axis]);
-        archive.real(box.box.max[axis]);
-    }
-    archive.whole(box.subject.value);
-    bool has_matrix = box.world_from_box.has_value();
-    archive.choice(has_matrix, true);
-    if (!has_matrix) {
-        return;
-    }
-    if constexpr (!std::is_const_v<Box>) {
-        box.world_from_box.emplace(1.0f);
-    }
-    archive.matrix(*box.world_from_box);
-}
-
-template <class Stream, class Call>
-void transfer_question(Archive<Stream>& archive, Call& call)
-{
-    archive.choice(call.verb, DeviceVerb::end_frame);
-    archive.choice(call.pass, DrawPass::shade_equal);
-    archive.choice(call.method, TestMethod::pyramid);
-    if (call.verb == DeviceVerb::begin_frame) {
-        archive.matrix(call.clip_from_world);
-        archive.whole(call.size_px.x);
-        archive.whole(call.size_px.y);
-        archive.choice(call.convention.range, DepthRange::zero_to_one);
-        archive.choice(call.convention.order, DepthOrder::near_is_large);
-    }
-    archive.list(call.items, [&](auto& item) { archive.whole(item.value); });
-    archive.list(call.boxes, [&](auto& box) { transfer_box(archive, box); });
-    archive.list(call.test_ends, [&](auto& end) { archive.whole(end); });
-    archive.whole(call.asked_test);
-    if (call.verb == DeviceVerb::read_depth) {
-        archive.whole(call.rect.x);
-        archive.whole(call.rect.y);
-        archive.whole(call.rect.width);
-        archive.whole(call.rect.height);
-    }
-}
-
-template <class Stream, class Call>
-void transfer_call(Archive<Stream>& archive, Call& call)
-{
-    transfer_question(archive, call);
-    archive.list(call.issued_tests, [&](auto& test) { archive.whole(test); });
-    archive.choice(call.answer.state, AnswerState::lost);
-    archive.whole(call.answer.samples);
-    archive.list(call.depth, [&](auto& depth) { archive.real(depth); });
-}
-
-template <class Stream, class Caps>
-void transfer_caps(Archive<Stream>& archive, Caps& caps)
-{
-    std::vector<char> name(caps.name.begin(), caps.name.end());
-    archive.list(name, [&](auto& letter) { archive.whole(letter); });
-    if constexpr (!std::is_const_v<Caps>) {
-        caps.name.assign(name.begin(), name.end());
-    }
-    archive.choice(caps.same_frame_results, true);
-    archive.choice(caps.exact_counts, true);
-    archive.choice(caps.draw_and_query, true);
-    archive.choice(caps.read_depth, true);
-    archive.whole(caps.max_outstanding);
-    archive.list(caps.methods, [&](auto& cost) {
-        archive.choice(cost.method, TestMethod::pyramid);
-        archive.real(cost.us_per_batch);
-        archive.real(cost.us_per_test);
-        archive.real(cost.us_per_box);
-        archive.choice(cost.exact_counts, true);
-    });
-    archive.real(caps.us_per_triangle);
-}
-
-Bytes question_bytes(const RecordedCall& call)
-{
-    Writer writer;
-    Archive archive{writer};
-    transfer_question(archive, call);
-    return std::move(writer.bytes);
-}
-
-RecordedCall call_of(DeviceVerb verb)
-{
-    RecordedCall call;
-    call.verb = verb;
-    return call;
-}
-
-RecordedCall frame_call(const View& view)
-{
-    RecordedCall call = call_of(DeviceVerb::begin_frame);
-    call.clip_from_world = view.clip_from_world();
-    call.size_px = view.size_px();
-    call.convention = view.convention();
-    return call;
-}
-
-RecordedCall draw_call(DeviceVerb verb, std::span<const ItemId> items, DrawPass pass)
-{
-    RecordedCall call = call_of(verb);
-    call.items.assign(items.begin(), items.end());
-    call.pass = pass;
-    return call;
-}
-
-RecordedCall query_call(const QueryBatch& batch)
-{
-    RecordedCall call = call_of(DeviceVerb::query);
-    call.method = batch.method;
-    for (const QueryBox& box : batch.boxes) {
-        RecordedBox& recorded = call.boxes.emplace_back();
-        recorded.box = box.box;
-        recorded.subject = box.subject;
-        if (box.world_from_box) {
-            recorded.world_from_box = *box.world_from_box;
-        }
-    }
-    call.test_ends.assign(batch.test_ends.begin(), batch.test_ends.end());
-    return call;
-}
-
-RecordedCall depth_call(const PixelRect& rect)
-{
-    RecordedCall call = call_of(DeviceVerb::read_depth);
-    call.rect = rect;
-    return call;
-}
-
-} // namespace
-
-// --- the recording ---
-
-uint64_t Recording::hash() const
-{
-    Writer writer;
-    Archive archive{writer};
-    archive.list(calls, [&](const RecordedCall& call) { transfer_call(archive, call); });
-    return fnv1a(writer.bytes);
-}
-
-Result<size_t> save_recording(const Recording& recording, std::ostream& out)
-{
-    Writer writer;
-    writer.bytes = kMark;
-    Archive archive{writer};
-    transfer_caps(archive, recording.caps);
-    archive.list(recording.calls, [&](const RecordedCall& call) { transfer_call(archive, call); });
-    const uint64_t checksum = fnv1a(writer.bytes);
-    archive.whole(checksum);
-    out.write(writer.bytes.data(), static_cast<std::streamsize>(writer.bytes.size()));
-    if (!out) {
-        return Error{ErrorCode::device_failed, "the recording could not be written: is the disk "
-                                               "full, or the file read-only?"};
-    }
-    return writer.bytes.size();
-}
-
-Result<Recording> load_recording(std::istream& in)
-{
-    const Bytes bytes{std::istreambuf_iterator<char>{in}, std::istreambuf_iterator<char>{}};
-    const auto broken = [](const char* how) {
-        return Error{ErrorCode::bad_data,
-                     std::string("the recording ") + how + ": record it again"};
-    };
-    constexpr size_t kChecksumSize = 8;
-    if (!bytes.starts_with(kMark) || bytes.size() < kMark.size() + kChecksumSize) {
-        return broken("does not start as a recording of this version does");
-    }
-    const std::string_view body{bytes.data(), bytes.size() - kChecksumSize};
-    Reader checksum_reader{std::string_view{bytes}.substr(body.size())};
-    uint64_t checksum = 0;
-    checksum_reader.number(checksum, kChecksumSize);
-    if (checksum != fnv1a(body)) {
-        return broken("is cut off or was changed (its checksum differs)");
-    }
-
-    Recording recording;
-    Reader reader{body.substr(kMark.size())};
-    Archive archive{reader};
-    transfer_caps(archive, recording.caps);
-    archive.list(recording.calls, [&](RecordedCall& call) { transfer_call(archive, call); });
-    if (reader.failed || !reader.at_end()) {
-        return broken("holds calls that make no sense");
-    }
-    return recording;
-}
-
-// --- recording ---
+using detail::call_of;
+using detail::depth_call;
+using detail::draw_call;
+using detail::frame_call;
+using detail::query_call;
 
 RecordingDevice::RecordingDevice(QueryDevice& inner)
-    : inner_(inner)
+    : ForwardingDevice(inner)
     , recording_{inner.caps(), {}}
+    , caps_bytes_(detail::caps_bytes(inner.caps()))
 {
 }
 
@@ -367,20 +33,25 @@ uint32_t RecordingDevice::number_of(Ticket asked) const
 
 void RecordingDevice::begin_frame(const View& view)
 {
-    recording_.calls.push_back(frame_call(view));
-    inner_.begin_frame(view);
+    RecordedCall call = frame_call(view);
+    inner().begin_frame(view);
+    if (std::string caps = detail::caps_bytes(inner().caps()); caps != caps_bytes_) {
+        caps_bytes_ = std::move(caps);
+        call.new_caps = inner().caps();
+    }
+    recording_.calls.push_back(std::move(call));
 }
 
 void RecordingDevice::draw(std::span<const ItemId> items, DrawPass pass)
 {
     recording_.calls.push_back(draw_call(DeviceVerb::draw, items, pass));
-    inner_.draw(items, pass);
+    inner().draw(items, pass);
 }
 
 void RecordingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
     RecordedCall call = query_call(batch);
-    inner_.query(batch, tickets);
+    inner().query(batch, tickets);
     for (const Ticket ticket : tickets) {
         call.issued_tests.push_back(number(ticket));
     }
@@ -390,7 +61,7 @@ void RecordingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 Ticket RecordingDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
 {
     RecordedCall call = draw_call(DeviceVerb::draw_and_query, items, pass);
-    const Ticket ticket = inner_.draw_and_query(items, pass);
+    const Ticket ticket = inner().draw_and_query(items, pass);
     call.issued_tests = {number(ticket)};
     recording_.calls.push_back(std::move(call));
     return ticket;
@@ -399,7 +70,7 @@ Ticket RecordingDevice::draw_and_query(std::span<const ItemId> items, DrawPass p
 void RecordingDevice::flush()
 {
     recording_.calls.push_back(call_of(DeviceVerb::flush));
-    inner_.flush();
+    inner().flush();
 }
 
 Answer RecordingDevice::record_answer(RecordedCall call, Ticket ticket, Answer answer)
@@ -415,18 +86,18 @@ Answer RecordingDevice::record_answer(RecordedCall call, Ticket ticket, Answer a
 
 Answer RecordingDevice::poll(Ticket ticket)
 {
-    return record_answer(call_of(DeviceVerb::poll), ticket, inner_.poll(ticket));
+    return record_answer(call_of(DeviceVerb::poll), ticket, inner().poll(ticket));
 }
 
 Answer RecordingDevice::wait(Ticket ticket)
 {
-    return record_answer(call_of(DeviceVerb::wait), ticket, inner_.wait(ticket));
+    return record_answer(call_of(DeviceVerb::wait), ticket, inner().wait(ticket));
 }
 
 bool RecordingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
     RecordedCall call = depth_call(rect);
-    const bool read = inner_.read_depth(rect, out);
+    const bool read = inner().read_depth(rect, out);
     if (read) {
         call.depth.assign(out.begin(), out.end());
     }
@@ -437,120 +108,7 @@ bool RecordingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 void RecordingDevice::end_frame()
 {
     recording_.calls.push_back(call_of(DeviceVerb::end_frame));
-    inner_.end_frame();
-}
-
-// --- replaying ---
-
-void ReplayDevice::fail(std::string why)
-{
-    if (mismatch_.empty()) {
-        mismatch_ = std::move(why);
-    }
-}
-
-const RecordedCall* ReplayDevice::match(const RecordedCall& asked)
-{
-    if (!mismatch_.empty()) {
-        return nullptr;
-    }
-    const std::string where = "call " + std::to_string(next_) + ", " + name(asked.verb) + ": ";
-    if (next_ == recording_.calls.size()) {
-        fail(where + "the recording has ended");
-        return nullptr;
-    }
-    const RecordedCall& recorded = recording_.calls[next_];
-    if (recorded.verb != asked.verb) {
-        fail(where + "the recording has " + name(recorded.verb) + " here");
-        return nullptr;
-    }
-    if (question_bytes(recorded) != question_bytes(asked)) {
-        fail(where + "the recorded one has other arguments");
-        return nullptr;
-    }
-    ++next_;
-    return &recorded;
-}
-
-Ticket ReplayDevice::issue(uint32_t test)
-{
-    return test == RecordedCall::kNoTest ? Ticket{} : tests_.add(test);
-}
-
-void ReplayDevice::begin_frame(const View& view)
-{
-    match(frame_call(view));
-}
-
-void ReplayDevice::draw(std::span<const ItemId> items, DrawPass pass)
-{
-    match(draw_call(DeviceVerb::draw, items, pass));
-}
-
-void ReplayDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
-{
-    std::fill(tickets.begin(), tickets.end(), Ticket{});
-    const RecordedCall* recorded = match(query_call(batch));
-    if (!recorded) {
-        return;
-    }
-    if (recorded->issued_tests.size() != tickets.size()) {
-        fail("call " + std::to_string(next_ - 1) +
-             ", query: the recorded one has another number "
-             "of tickets");
-        return;
-    }
-    std::transform(recorded->issued_tests.begin(), recorded->issued_tests.end(), tickets.begin(),
-                   [this](uint32_t test) { return issue(test); });
-}
-
-Ticket ReplayDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
-{
-    const RecordedCall* recorded = match(draw_call(DeviceVerb::draw_and_query, items, pass));
-    return recorded && !recorded->issued_tests.empty() ? issue(recorded->issued_tests.front())
-                                                       : Ticket{};
-}
-
-void ReplayDevice::flush()
-{
-    match(call_of(DeviceVerb::flush));
-}
-
-Answer ReplayDevice::answer(RecordedCall asked, Ticket ticket)
-{
-    const uint32_t* test = tests_.find(ticket);
-    asked.asked_test = test ? *test : RecordedCall::kNoTest;
-    const RecordedCall* recorded = match(asked);
-    const Answer answer = recorded ? recorded->answer : Answer::lost();
-    if (answer.state != AnswerState::pending) {
-        tests_.release(ticket);
-    }
-    return answer;
-}
-
-Answer ReplayDevice::poll(Ticket ticket)
-{
-    return answer(call_of(DeviceVerb::poll), ticket);
-}
-
-Answer ReplayDevice::wait(Ticket ticket)
-{
-    return answer(call_of(DeviceVerb::wait), ticket);
-}
-
-bool ReplayDevice::read_depth(const PixelRect& rect, std::span<float> out)
-{
-    const RecordedCall* recorded = match(depth_call(rect));
-    if (!recorded || recorded->depth.empty() || recorded->depth.size() != out.size()) {
-        return false;
-    }
-    std::copy(recorded->depth.begin(), recorded->depth.end(), out.begin());
-    return true;
-}
-
-void ReplayDevice::end_frame()
-{
-    match(call_of(DeviceVerb::end_frame));
+    inner().end_frame();
 }
 
 } // namespace occlude

@@ -1,23 +1,13 @@
 #include <occlude/device/validating_device.h>
 
 #include <occlude/core/assert.h>
-
-#include <glm/common.hpp>
-#include <glm/vec2.hpp>
+#include <occlude/device/detail/sure_pixels.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace occlude {
 
 namespace {
-
-// A pixel counts as shown only if its depth is farther than the box by this much of the depth
-// range: the box's depth is computed here in another order than on the device.
-constexpr float kDepthSlop = 1e-4f;
-// ... and only if it lies inside the box's outline by this many pixels.
-constexpr float kOutlineSlopPx = 0.125f;
 
 uint8_t bit(DrawPass pass)
 {
@@ -56,112 +46,6 @@ std::string text(const QueryBox& box, size_t index)
     return words;
 }
 
-/// The convex outline of a box on the target, in pixels, and its farthest window depth.
-struct Outline {
-    std::vector<glm::vec2>
-        corners_px; ///< counter-clockwise; empty if the box reaches behind the eye
-    float farthest01 = 1.0f;
-};
-
-float cross(const glm::vec2& a, const glm::vec2& b, const glm::vec2& c)
-{
-    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
-std::vector<glm::vec2> convex_hull(std::array<glm::vec2, 8> points)
-{
-    std::sort(points.begin(), points.end(), [](const glm::vec2& a, const glm::vec2& b) {
-        return a.x != b.x ? a.x < b.x : a.y < b.y;
-    });
-    std::vector<glm::vec2> hull;
-    const auto add_chain = [&](auto first, auto last) {
-        const size_t base = hull.size();
-        for (auto point = first; point != last; ++point) {
-            while (hull.size() >= base + 2 &&
-                   cross(hull[hull.size() - 2], hull.back(), *point) <= 0.0f) {
-                hull.pop_back();
-            }
-            hull.push_back(*point);
-        }
-        hull.pop_back(); // it starts the next chain
-    };
-    add_chain(points.begin(), points.end());
-    add_chain(points.rbegin(), points.rend());
-    return hull;
-}
-
-Outline outline_of(const QueryBox& box, const View& view)
-{
-    const glm::mat4 clip_from_box =
-        box.world_from_box ? view.clip_from_world() * *box.world_from_box : view.clip_from_world();
-    const bool reversed = view.convention().order == DepthOrder::near_is_large;
-    std::array<glm::vec2, 8> points;
-    Outline outline{{}, 0.0f};
-    for (unsigned i = 0; i < 8; ++i) {
-        const glm::vec3 corner{i & 1 ? box.box.max.x : box.box.min.x,
-                               i & 2 ? box.box.max.y : box.box.min.y,
-                               i & 4 ? box.box.max.z : box.box.min.z};
-        const glm::vec4 clip = clip_from_box * glm::vec4{corner, 1.0f};
-        if (!(clip.w > 0.0f)) {
-            return {};
-        }
-        const glm::vec3 ndc = glm::vec3{clip} / clip.w;
-        points[i] = (glm::vec2{ndc} * 0.5f + 0.5f) * glm::vec2{view.size_px()};
-        const bool zero_to_one = view.convention().range == DepthRange::zero_to_one;
-        const float stored = zero_to_one ? ndc.z : ndc.z * 0.5f + 0.5f;
-        outline.farthest01 = std::max(outline.farthest01, reversed ? 1.0f - stored : stored);
-    }
-    outline.corners_px = convex_hull(points);
-    return outline;
-}
-
-bool contains_pixel(const Outline& outline, int x, int y)
-{
-    const float low = -kOutlineSlopPx;
-    const float high = 1.0f + kOutlineSlopPx;
-    const glm::vec2 origin{static_cast<float>(x), static_cast<float>(y)};
-    for (size_t i = 0; i < outline.corners_px.size(); ++i) {
-        const glm::vec2& a = outline.corners_px[i];
-        const glm::vec2& b = outline.corners_px[(i + 1) % outline.corners_px.size()];
-        for (const glm::vec2& offset : {glm::vec2{low, low}, glm::vec2{high, low},
-                                        glm::vec2{low, high}, glm::vec2{high, high}}) {
-            if (cross(a, b, origin + offset) <= 0.0f) {
-                return false;
-            }
-        }
-    }
-    return outline.corners_px.size() >= 3;
-}
-
-/// How many pixels must pass a test of this box: those wholly inside its outline whose depth is
-/// farther than all of the box. Errs toward fewer.
-int sure_pixels(const QueryBox& box, const View& view, std::span<const float> depth)
-{
-    const Outline outline = outline_of(box, view);
-    if (depth.empty() || outline.corners_px.empty()) {
-        return 0;
-    }
-    glm::vec2 low = outline.corners_px.front();
-    glm::vec2 high = low;
-    for (const glm::vec2& corner : outline.corners_px) {
-        low = glm::min(low, corner);
-        high = glm::max(high, corner);
-    }
-    const glm::vec2 size{view.size_px()};
-    const glm::ivec2 begin{glm::clamp(glm::floor(low), glm::vec2{0.0f}, size)};
-    const glm::ivec2 end{glm::clamp(glm::ceil(high), glm::vec2{0.0f}, size)};
-    int count = 0;
-    for (int y = begin.y; y < end.y; ++y) {
-        for (int x = begin.x; x < end.x; ++x) {
-            const float there = depth[static_cast<size_t>(y * view.size_px().x + x)];
-            if (there > outline.farthest01 + kDepthSlop && contains_pixel(outline, x, y)) {
-                ++count;
-            }
-        }
-    }
-    return count;
-}
-
 bool touches_near(const QueryBox& box, const View& view)
 {
     if (!box.world_from_box) {
@@ -177,7 +61,7 @@ bool touches_near(const QueryBox& box, const View& view)
 } // namespace
 
 ValidatingDevice::ValidatingDevice(QueryDevice& inner, Options options)
-    : inner_(inner)
+    : ForwardingDevice(inner)
     , options_(std::move(options))
 {
 }
@@ -207,7 +91,7 @@ void ValidatingDevice::begin_frame(const View& view)
     ++frame_;
     view_ = view;
     passes_.clear();
-    inner_.begin_frame(view);
+    inner().begin_frame(view);
 }
 
 void ValidatingDevice::end_frame()
@@ -225,7 +109,7 @@ void ValidatingDevice::end_frame()
         report("passes", text(item) + " was drawn depth_only and never shaded with shade_equal");
     }
     in_frame_ = false;
-    inner_.end_frame();
+    inner().end_frame();
 }
 
 void ValidatingDevice::check_items(std::span<const ItemId> items, DrawPass pass)
@@ -251,12 +135,12 @@ void ValidatingDevice::draw(std::span<const ItemId> items, DrawPass pass)
     require_frame("draw");
     check_items(items, pass);
     ++draws_;
-    inner_.draw(items, pass);
+    inner().draw(items, pass);
 }
 
 void ValidatingDevice::check_method(TestMethod method) const
 {
-    const DeviceCaps& caps = inner_.caps();
+    const DeviceCaps& caps = inner().caps();
     const bool there = method == TestMethod::automatic || caps.methods.empty() ||
                        caps.find_method(method) != nullptr;
     if (!there) {
@@ -309,9 +193,9 @@ void ValidatingDevice::check_box(const QueryBox& box, size_t index) const
 void ValidatingDevice::check_outstanding(size_t new_tests) const
 {
     const size_t unspent = unspent_.size() + new_tests;
-    if (unspent > inner_.caps().max_outstanding) {
+    if (unspent > inner().caps().max_outstanding) {
         report("C11", std::to_string(unspent) + " tests would be unspent, but the device keeps " +
-                          std::to_string(inner_.caps().max_outstanding));
+                          std::to_string(inner().caps().max_outstanding));
     }
 }
 
@@ -347,9 +231,10 @@ void ValidatingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
     check_method(batch.method);
     check_outstanding(tickets.size());
     const std::vector<float> before = depth();
-    inner_.query(batch, tickets);
+    inner().query(batch, tickets);
     const std::vector<float> after = depth();
-    if (before != after) {
+    const bool both_read = !before.empty() && !after.empty();
+    if (both_read && before != after) {
         report("C4", "a batch of tests changed the depth buffer");
     }
     uint32_t begin = 0;
@@ -358,7 +243,7 @@ void ValidatingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
         for (; begin < batch.test_ends[i]; ++begin) {
             const QueryBox& box = batch.boxes[begin];
             const bool testable = box.box.is_bounded() && !touches_near(box, view_);
-            pixels += testable ? sure_pixels(box, view_, before) : 0;
+            pixels += testable ? detail::sure_pixels(box, view_, before) : 0;
         }
         adopt(tickets[i], pixels);
     }
@@ -368,11 +253,11 @@ Ticket ValidatingDevice::draw_and_query(std::span<const ItemId> items, DrawPass 
 {
     require_frame("draw_and_query");
     check_items(items, pass);
-    if (inner_.caps().draw_and_query) {
+    if (inner().caps().draw_and_query) {
         check_outstanding(1);
     }
     ++draws_;
-    const Ticket ticket = inner_.draw_and_query(items, pass);
+    const Ticket ticket = inner().draw_and_query(items, pass);
     adopt(ticket, 0);
     return ticket;
 }
@@ -380,7 +265,7 @@ Ticket ValidatingDevice::draw_and_query(std::span<const ItemId> items, DrawPass 
 void ValidatingDevice::flush()
 {
     require_frame("flush");
-    inner_.flush();
+    inner().flush();
 }
 
 void ValidatingDevice::check_count(const Test& test, const Answer& answer) const
@@ -426,12 +311,12 @@ Answer ValidatingDevice::check_answer(const char* verb, Ticket ticket, Answer an
 
 Answer ValidatingDevice::poll(Ticket ticket)
 {
-    return check_answer("poll", ticket, inner_.poll(ticket));
+    return check_answer("poll", ticket, inner().poll(ticket));
 }
 
 Answer ValidatingDevice::wait(Ticket ticket)
 {
-    const Answer answer = inner_.wait(ticket);
+    const Answer answer = inner().wait(ticket);
     if (answer.state == AnswerState::pending) {
         report("C9", "wait of " + text(ticket) + " answered pending");
     }
@@ -453,7 +338,7 @@ bool ValidatingDevice::read_depth(const PixelRect& rect, std::span<float> out)
                                    " pixels, not for its rectangle");
         return false;
     }
-    if (!inner_.read_depth(rect, out)) {
+    if (!inner().read_depth(rect, out)) {
         return false;
     }
     const bool legal =
@@ -467,12 +352,12 @@ bool ValidatingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 std::vector<float> ValidatingDevice::depth() const
 {
     const glm::ivec2 size = view_.size_px();
-    if (options_.depth_checks == DepthChecks::off || !inner_.caps().read_depth || size.x <= 0 ||
+    if (options_.depth_checks == DepthChecks::off || !inner().caps().read_depth || size.x <= 0 ||
         size.y <= 0) {
         return {};
     }
     std::vector<float> pixels(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
-    const bool read = inner_.read_depth({0, 0, size.x, size.y}, pixels);
+    const bool read = inner().read_depth({0, 0, size.x, size.y}, pixels);
     return read ? pixels : std::vector<float>{};
 }
 

@@ -24,7 +24,7 @@
 //                 read outside of 0..1
 #pragma once
 
-#include <occlude/core/query_device.h>
+#include <occlude/device/forwarding_device.h>
 
 #include <functional>
 #include <map>
@@ -36,7 +36,7 @@ namespace occlude {
 /// Called with the name of the broken rule and a sentence.
 using ViolationHandler = std::function<void(std::string_view rule, std::string_view message)>;
 
-class ValidatingDevice final : public QueryDevice {
+class ValidatingDevice final : public ForwardingDevice {
 public:
     enum class DepthChecks : uint8_t {
         off,
@@ -56,7 +56,6 @@ public:
     }
     ValidatingDevice(QueryDevice& inner, Options options);
 
-    const DeviceCaps& caps() const override { return inner_.caps(); }
     void begin_frame(const View& view) override;
     void draw(std::span<const ItemId> items, DrawPass pass) override;
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
@@ -86,7 +85,6 @@ private:
     void check_count(const Test& test, const Answer& answer) const;
     std::vector<float> depth() const;
 
-    QueryDevice& inner_;
     Options options_;
     View view_;
     bool in_frame_ = false;

@@ -73,7 +73,7 @@ struct FlareOptions {
 ///   flares.end_frame(device);           // the tests of this frame
 ///   device.end_frame();
 ///
-/// With a Culler, which has the whole frame to itself, give it a FlareDevice.
+/// A Culler has the whole frame to itself: give it a FlareDevice (device/flare_device.h).
 class FlareVisibility {
 public:
     explicit FlareVisibility(FlareOptions options = {})
@@ -131,49 +131,6 @@ private:
     uint64_t issued_frame_ = 0;
     double last_time_ = 0.0;
     bool measures_this_frame_ = false;
-};
-
-/// Passes everything through to a device, and measures flares at both ends of each frame.
-class FlareDevice final : public QueryDevice {
-public:
-    /// Keeps references.
-    FlareDevice(QueryDevice& inner, FlareVisibility& flares)
-        : inner_(inner)
-        , flares_(flares)
-    {
-    }
-
-    const DeviceCaps& caps() const override { return inner_.caps(); }
-    void begin_frame(const View& view) override
-    {
-        inner_.begin_frame(view);
-        flares_.begin_frame(view, inner_);
-    }
-    void draw(std::span<const ItemId> items, DrawPass pass) override { inner_.draw(items, pass); }
-    void query(const QueryBatch& batch, std::span<Ticket> tickets) override
-    {
-        inner_.query(batch, tickets);
-    }
-    Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override
-    {
-        return inner_.draw_and_query(items, pass);
-    }
-    void flush() override { inner_.flush(); }
-    Answer poll(Ticket ticket) override { return inner_.poll(ticket); }
-    Answer wait(Ticket ticket) override { return inner_.wait(ticket); }
-    bool read_depth(const PixelRect& rect, std::span<float> out) override
-    {
-        return inner_.read_depth(rect, out);
-    }
-    void end_frame() override
-    {
-        flares_.end_frame(inner_);
-        inner_.end_frame();
-    }
-
-private:
-    QueryDevice& inner_;
-    FlareVisibility& flares_;
 };
 
 } // namespace occlude

@@ -1,6 +1,6 @@
 // Tighter bounds than one world box: a few boxes in an object's own space that together hold what
 // an item draws. Optional, item by item; cullers that test against depth ask for them where the
-// world box of an item is not hidden (cut_culler.h).
+// world box of an item is not hidden (depth_traversal.h).
 //
 // Implements  D. Sekulic, "Efficient Occlusion Culling", GPU Gems, 2004, ch. 29, section 29.5.1:
 //             several smaller boxes for an object that leaves most of its box empty.

@@ -2,6 +2,7 @@
 
 #include <occlude/core/assert.h>
 #include <occlude/core/rng.h>
+#include <occlude/scene/detail/split_plane.h>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -10,7 +11,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -18,16 +18,11 @@
 namespace occlude {
 namespace {
 
-/// Planes are tried at this many places per axis.
-constexpr size_t kCandidates = 15;
-/// A plane is worth it only if either side has at most this share of the triangles.
-constexpr double kLargestShare = 0.9;
 constexpr uint32_t kMaxDepth = 64;
+/// A plane cuts a triangle into at most three pieces, two more than before.
+constexpr uint64_t kMostAddedPerCut = 2;
 
-struct Plane {
-    int axis = 0;
-    float at = 0.0f;
-};
+using Plane = detail::SplitPlane;
 
 struct Triangle {
     std::array<uint32_t, 3> corner{};
@@ -75,6 +70,7 @@ public:
             triangles.push_back({{indices[i], indices[i + 1], indices[i + 2]}});
         }
         if (!triangles.empty()) {
+            growth_left_ = (kMaxSplitGrowth - 1) * uint64_t{triangles.size()};
             out_.tree.nodes.resize(1);
             split(0, std::move(triangles), 0);
             emit_parts();
@@ -242,68 +238,18 @@ private:
         }
     }
 
-    // The plane of least area * triangles of both sides; nothing if none parts the triangles.
-    std::optional<Plane> choose_plane(std::span<const Triangle> triangles) const
+    // Nothing if no plane parts the triangles, or each that does cuts more of them than may be
+    // added.
+    std::optional<Plane> choose_plane(std::span<const Triangle> triangles)
     {
         std::vector<Aabb> boxes;
         for (const Triangle& t : triangles) {
             boxes.push_back(box_of(t));
         }
-        const auto most = kLargestShare * static_cast<double>(triangles.size());
-        double least = std::numeric_limits<double>::infinity();
-        std::optional<Plane> best;
-        std::vector<float> borders;
-        for (int axis = 0; axis < 3; ++axis) {
-            borders.clear();
-            for (const Aabb& box : boxes) {
-                if (box.is_bounded()) {
-                    borders.push_back(box.max[axis]);
-                }
-            }
-            for (size_t k = 1; k <= kCandidates && !borders.empty(); ++k) {
-                const auto rank = borders.begin() + static_cast<std::ptrdiff_t>(borders.size() * k /
-                                                                                (kCandidates + 1));
-                std::nth_element(borders.begin(), rank, borders.end());
-                const Plane plane{axis, *rank};
-                const double cost = cost_of(boxes, plane, most);
-                if (cost < least) {
-                    least = cost;
-                    best = plane;
-                }
-            }
-        }
-        return best;
-    }
-
-    static double cost_of(std::span<const Aabb> boxes, const Plane& plane, double most)
-    {
-        std::array<Aabb, 2> side;
-        std::array<double, 2> count{};
-        for (const Aabb& box : boxes) {
-            const bool low = !box.is_bounded() || box.min[plane.axis] < plane.at ||
-                             box.max[plane.axis] <= plane.at;
-            const bool high = box.is_bounded() && box.max[plane.axis] > plane.at;
-            if (low) {
-                ++count[0];
-            }
-            if (high) {
-                ++count[1];
-            }
-            Aabb clipped = box;
-            if (low && high) {
-                clipped.max[plane.axis] = plane.at;
-                side[0] = merge(side[0], clipped);
-                clipped = box;
-                clipped.min[plane.axis] = plane.at;
-                side[1] = merge(side[1], clipped);
-            } else if (box.is_bounded()) {
-                side[low ? 0 : 1] = merge(side[low ? 0 : 1], box);
-            }
-        }
-        if (count[0] > most || count[1] > most) {
-            return std::numeric_limits<double>::infinity();
-        }
-        return double{surface_area(side[0])} * count[0] + double{surface_area(side[1])} * count[1];
+        const detail::SplitChoice choice =
+            detail::choose_split_plane(boxes, growth_left_ / kMostAddedPerCut);
+        out_.unsplit_parts += !choice.plane && choice.cuts_too_many ? 1 : 0;
+        return choice.plane;
     }
 
     void make_leaf(uint32_t node, std::vector<Triangle> triangles)
@@ -330,6 +276,9 @@ private:
                 clip(piece, *plane, low, high);
             }
         }
+        const size_t pieces = low.size() + high.size();
+        const size_t added = pieces > triangles.size() ? pieces - triangles.size() : 0;
+        growth_left_ -= std::min<uint64_t>(growth_left_, added);
         triangles = {};
         if (low.empty() || high.empty()) { // what was there shrank to lines
             make_leaf(node, std::move(low.empty() ? high : low));
@@ -370,6 +319,7 @@ private:
     }
 
     uint32_t max_triangles_;
+    uint64_t growth_left_ = 0; ///< triangles that may still be added
     SplitMesh out_;
     std::vector<uint32_t> points_;  ///< per vertex: its point
     std::vector<glm::vec3> places_; ///< per point
@@ -385,9 +335,11 @@ private:
 SplitMesh split_triangles(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                           std::span<const uint32_t> indices, uint32_t max_triangles)
 {
-    OCCLUDE_ASSERT(indices.size() % 3 == 0, "indices come in threes");
-    OCCLUDE_ASSERT(positions.size() == normals.size(), "a normal for each position");
-    OCCLUDE_ASSERT(max_triangles > 0, "a part holds at least one triangle");
+    OCCLUDE_ASSERT(indices.size() % 3 == 0,
+                   "split_triangles() needs three indices for each triangle");
+    OCCLUDE_ASSERT(positions.size() == normals.size(),
+                   "split_triangles() needs a normal for each position");
+    OCCLUDE_ASSERT(max_triangles > 0, "a part must be allowed to hold at least one triangle");
     return Splitter{positions, normals, std::max(max_triangles, 1u)}.run(indices);
 }
 

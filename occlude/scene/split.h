@@ -4,18 +4,18 @@
 //             section 3.1, object partitioning.
 // Map         "divided recursively by planes until the number of triangles drops below a threshold"
 //             -> split_triangles
-// Deviations  The paper does not say where the planes go: at the place of least surface area
-// heuristic
-//             among borders of triangles, so that meshes with axis-aligned faces are hardly cut.
+// Deviations  The paper does not say where the planes go. Here a plane goes where the surface area
+//             heuristic is least among borders of triangles, so that meshes with axis-aligned faces
+//             are hardly cut. Planes stop where they would make the mesh more than kMaxSplitGrowth
+//             times as large: triangles that cross each other could be cut without end.
 // Guarantees  Watertight: an edge is cut at most once, at one point, and every triangle with that
-// edge,
-//             on whichever side of whichever plane, gets that point as a corner, bit by bit. So
-//             edges that met before meet afterwards, without T-junctions. Corners keep their order.
-//             Deterministic.
+//             edge, on whichever side of whichever plane, gets that point as a corner, bit by bit.
+//             So edges that met before meet afterwards, without T-junctions. Corners keep their
+//             order. Deterministic.
 //             NOT guaranteed is the very same image: a cut triangle's new corners are rounded to
-//             float, and rasterisers snap them, so that a sample within a rounding of an edge, or a
-//             depth in its last bit, may come out otherwise than in the uncut mesh. Hence the split
-//             mesh replaces the mesh, for the reference image as for the culled one.
+//             float, and rasterisers snap them. A sample within a rounding of an edge, or a depth
+//             in its last bit, may differ from the uncut mesh. Hence the split mesh replaces the
+//             mesh, for the reference image as for the culled one.
 // Cost        O(n log^2 n) for n triangles; 70,000 in about a second.
 #pragma once
 
@@ -30,6 +30,9 @@
 
 namespace occlude {
 
+/// A mesh of n triangles is cut into at most about this many times n.
+constexpr uint32_t kMaxSplitGrowth = 8;
+
 struct SplitMesh {
     std::vector<glm::vec3> positions; ///< those given, then those of the cuts
     std::vector<glm::vec3> normals;   ///< one per position; those of the cuts are of length 1
@@ -37,13 +40,16 @@ struct SplitMesh {
     std::vector<PartitionPart> parts; ///< covers all indices, in order
     LocalTree tree;                   ///< the BSP over the parts
     uint32_t cut_triangles = 0;       ///< how many triangles there are more than before
+    /// Parts that stayed larger than asked because of kMaxSplitGrowth.
+    uint32_t unsplit_parts = 0;
 };
 
 /// The triangles of `indices` (three per triangle), cut into parts of about `max_triangles` at
-/// most: more where no plane makes a part smaller, and a few more where a neighbour's cuts added
-/// corners. Normals are interpolated along the cut edges. No plane cuts a triangle with coordinates
-/// that are not finite; triangles that shrink to a line or a point when cut are dropped.
-/// Preconditions: every index is in `positions`, as many normals as positions, max_triangles > 0.
+/// most: more where no plane makes a part smaller or the mesh would grow beyond kMaxSplitGrowth,
+/// and a few more where a neighbour's cuts added corners. Normals are interpolated along the cut
+/// edges. No plane cuts a triangle with coordinates that are not finite; triangles that shrink to a
+/// line or a point when cut are dropped. Preconditions: every index is in `positions`, as many
+/// normals as positions, max_triangles > 0.
 SplitMesh split_triangles(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                           std::span<const uint32_t> indices, uint32_t max_triangles);
 

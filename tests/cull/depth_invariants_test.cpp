@@ -10,9 +10,11 @@
 #include <occlude/device/counting_device.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/device/validating_device.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 
@@ -22,11 +24,12 @@ namespace {
 struct Case {
     std::string algorithm;
     std::vector<OptionValue> options;
+    std::string hierarchy = "bvh";
 };
 
 std::string name_of(const ::testing::TestParamInfo<Case>& info)
 {
-    return test::case_name(info.param.algorithm, info.param.options);
+    return test::case_name(info.param.hierarchy + "_" + info.param.algorithm, info.param.options);
 }
 
 const std::vector<Case>& cases()
@@ -47,8 +50,34 @@ const std::vector<Case>& cases()
         {"lazy_grid", {{"free_below_covered", "0.5"}}},
         {"lazy_grid", {{"whole_cell_share", "0.5"}}},
         {"lazy_grid", {{"internal_above_pixels", "500"}}},
+        {"two_phase", {}},
+        {"two_phase", {{"refine", "false"}}},
+        {"two_phase", {{"virtual_leaves", "true"}}},
+        {"two_phase", {{"reread_triangles", "500"}}},
+        {"two_phase", {{"reread_triangles", "0"}, {"final_depth", "true"}}},
+        {"adaptive", {{"method", "pyramid"}}},
     };
     return all;
+}
+
+// ... and those over a cut, whose entries are nodes and single items, on the other hierarchies.
+std::vector<Case> all_cases()
+{
+    std::vector<Case> all = cases();
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        if (kind.name != "bvh") {
+            all.push_back({"two_phase", {}, std::string{kind.name}});
+            all.push_back({"adaptive", {{"method", "pyramid"}}, std::string{kind.name}});
+        }
+    }
+    return all;
+}
+
+// True for those that test boxes by their faces, and not only by their rectangles.
+bool tests_faces(const Case& c)
+{
+    return c.algorithm != "lazy_grid" ||
+           std::ranges::count(c.options, OptionValue{"bounds", "faces"}) > 0;
 }
 
 View camera(uint64_t frame)
@@ -95,7 +124,8 @@ protected:
     }
 
     const std::vector<ItemBounds> boxes_ = test::random_boxes(300, 41, 50.0f, 12.0f);
-    const Hierarchy tree_ = build_bvh(boxes_, {.leaf_triangles = 300});
+    const HierarchyKind& kind_ = *find_hierarchy_kind(GetParam().hierarchy);
+    const Hierarchy tree_ = kind_.build(boxes_, 300);
     View view_;
 };
 
@@ -129,8 +159,7 @@ TEST_P(DepthInvariants, EveryItemIsDrawnOrBehindPixelsOrOutsideAndTheLogSaysWhic
     ScriptedDevice device;
     device.script() = script(device);
     const auto culler = make();
-    const bool by_faces =
-        std::ranges::count(GetParam().options, OptionValue{"bounds", "faces"}) > 0;
+    const bool by_faces = tests_faces(GetParam());
     size_t drawn = 0;
     size_t hidden = 0;
     for (uint64_t frame = 0; frame < 20; ++frame) {
@@ -209,7 +238,7 @@ TEST_P(DepthInvariants, OddHierarchiesAreHarmless)
     for (const std::vector<ItemBounds>& items :
          {odd, std::vector<ItemBounds>{odd[4]}, std::vector<ItemBounds>{odd[5]},
           std::vector<ItemBounds>{}}) {
-        const Hierarchy tree = build_bvh(items, {.leaf_triangles = 300});
+        const Hierarchy tree = kind_.build(items, 300);
         DeviceScript all_near;
         all_near.caps.read_depth = true;
         all_near.depth = [](const PixelRect&, std::span<float> out) {
@@ -247,7 +276,7 @@ TEST_P(DepthInvariants, EqualFramesAreCulledEqually)
     EXPECT_EQ(device.frame_text(0), device.frame_text(6));
 }
 
-INSTANTIATE_TEST_SUITE_P(Cull, DepthInvariants, ::testing::ValuesIn(cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Cull, DepthInvariants, ::testing::ValuesIn(all_cases()), name_of);
 
 } // namespace
 } // namespace occlude

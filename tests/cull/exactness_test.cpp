@@ -7,6 +7,7 @@
 #include <occlude/device/delaying_device.h>
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
+#include "support/all_methods_device.h"
 #include "support/trees.h"
 
 #include <gtest/gtest.h>
@@ -111,7 +112,7 @@ View camera(uint64_t frame, glm::ivec2 size)
     return test::look({1.0f, 0.5f, 26.0f - 2.0f * t}, {0.4f * t, 0.0f, -60.0f}, size);
 }
 
-struct Setup {
+struct Case {
     std::string algorithm;
     std::vector<OptionValue> options = {};
     ClipConvention convention = {};
@@ -122,10 +123,18 @@ struct Setup {
     TestMethod method = TestMethod::queries;
     bool flags = false; ///< some items are translucent, some never cull, some never occlude
     bool culls = true;  ///< must draw visibly less than what is in the frustum
+    /// What an item claims to cost, to those who ask whether a test pays.
+    uint32_t triangles_claimed = 12;
 };
 
+/// Exact by default, and decides by tests what to draw.
+bool culls_exactly(const AlgorithmInfo& info)
+{
+    return info.exact && !info.needs.visible_set && info.name != "frustum";
+}
+
 // Runs an algorithm beside the reference and expects the same picture in every frame.
-void expect_exact(const Setup& setup)
+void expect_exact(const Case& setup)
 {
     BoxScene scene(test::random_boxes(700, 31, 24.0f, 7.0f));
     for (size_t i = 0; setup.flags && i < scene.bounds.size(); ++i) {
@@ -134,12 +143,15 @@ void expect_exact(const Setup& setup)
             ItemFlags::never_cull | ItemFlags::translucent, ItemFlags::alpha_tested};
         scene.bounds[i].flags = i % 37 < kFlags.size() ? kFlags[i % 37] : ItemFlags::none;
     }
+    for (ItemBounds& item : scene.bounds) {
+        item.triangles = setup.triangles_claimed;
+    }
     Hierarchy tree = find_hierarchy_kind(setup.hierarchy)->build(scene.bounds, 24);
     CpuDevice device(scene);
     ASSERT_TRUE(device.use_method(setup.method));
     CpuDevice reference_device(scene);
     DelayingDevice late(device, {.seed = 3, .max_polls = 5, .lose_every = 7});
-    QueryDevice& used = setup.late_answers ? static_cast<QueryDevice&>(late) : device;
+    test::AllMethodsDevice used(setup.late_answers ? static_cast<QueryDevice&>(late) : device);
     FrustumCuller reference{tree};
     auto culler = make_culler(setup.algorithm, tree, setup.options);
     ASSERT_TRUE(culler) << culler.error().message;
@@ -241,19 +253,38 @@ TEST(Exactness, TwoPhaseWithEachPartSwitched)
     }
 }
 
-TEST(Exactness, AdaptiveByEveryMethod)
+// Items of twelve triangles are not worth a query: these claim to have more.
+constexpr uint32_t kWorthATest = 3000;
+
+TEST(Exactness, AdaptiveByEveryMethodOnEveryHierarchy)
 {
-    for (const std::string method : {"automatic", "draw_all", "queries", "raster", "pyramid"}) {
-        SCOPED_TRACE(method);
-        const std::vector<OptionValue> options{{"method", method}};
-        // Items of twelve triangles are not worth a query; adaptive_costs_test.cpp has what is.
-        const bool culls = method == "pyramid";
-        expect_exact({.algorithm = "adaptive", .options = options, .culls = culls});
-        expect_exact({.algorithm = "adaptive", .options = options, .moving = true, .culls = culls});
-        expect_exact(
-            {.algorithm = "adaptive", .options = options, .late_answers = true, .culls = culls});
-        expect_exact({.algorithm = "adaptive", .options = options, .flags = true, .culls = culls});
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        for (const std::string method : {"automatic", "queries", "raster", "pyramid"}) {
+            SCOPED_TRACE(method + " on " + std::string{kind.name});
+            const Case standing{.algorithm = "adaptive",
+                                .options = {{"method", method}},
+                                .hierarchy = kind.name,
+                                .triangles_claimed = kWorthATest};
+            expect_exact(standing);
+            Case moving = standing;
+            moving.moving = true;
+            expect_exact(moving);
+            moving.late_answers = true;
+            expect_exact(moving);
+            Case flags = standing;
+            flags.flags = true;
+            expect_exact(flags);
+        }
     }
+}
+
+TEST(Exactness, AdaptiveThatDrawsAllIsFrustumCulling)
+{
+    const Case all{.algorithm = "adaptive", .options = {{"method", "draw_all"}}, .culls = false};
+    expect_exact(all);
+    Case flags = all;
+    flags.flags = true;
+    expect_exact(flags);
 }
 
 TEST(Exactness, UniformGrid)
@@ -321,8 +352,8 @@ TEST(Exactness, OnEveryHierarchy)
 {
     for (const HierarchyKind& kind : hierarchy_kinds()) {
         for (const AlgorithmInfo& info : algorithms()) {
-            const bool has_own_cells = info.name == "uniform_grid";
-            if (info.exact && !has_own_cells && (info.needs.queries || info.needs.depth_read)) {
+            const bool has_own_cells = info.name == "uniform_grid"; // and no use of nodes
+            if (culls_exactly(info) && !has_own_cells) {
                 SCOPED_TRACE(info.name + " on " + std::string{kind.name});
                 expect_exact({.algorithm = info.name, .hierarchy = kind.name});
                 expect_exact({.algorithm = info.name, .moving = true, .hierarchy = kind.name});
@@ -334,7 +365,7 @@ TEST(Exactness, OnEveryHierarchy)
 TEST(Exactness, WithTestsAnsweredByTheDepthPyramid)
 {
     for (const AlgorithmInfo& info : algorithms()) {
-        if (info.exact && info.needs.queries) {
+        if (culls_exactly(info) && !info.needs.depth_read) {
             SCOPED_TRACE(info.name);
             std::vector<OptionValue> options;
             if (info.name == "uniform_grid") {
@@ -447,6 +478,7 @@ TEST(Exactness, WhileEverythingMoves)
     expect_exact({.algorithm = "two_phase", .moving = true});
     expect_exact({.algorithm = "statistical", .moving = true});
     expect_exact({.algorithm = "lazy_grid", .moving = true});
+    expect_exact({.algorithm = "adaptive", .moving = true});
 }
 
 TEST(Exactness, WithLateAndLostAnswers)
@@ -461,7 +493,7 @@ TEST(Exactness, WithLateAndLostAnswers)
 TEST(Exactness, WithTranslucentAndOtherFlaggedItems)
 {
     for (const AlgorithmInfo& info : algorithms()) {
-        if (info.exact && (info.needs.queries || info.needs.depth_read)) {
+        if (culls_exactly(info)) {
             SCOPED_TRACE(info.name);
             expect_exact({.algorithm = info.name, .flags = true});
         }
@@ -470,27 +502,6 @@ TEST(Exactness, WithTranslucentAndOtherFlaggedItems)
     expect_exact({.algorithm = "chc", .options = geometry, .flags = true});
     const std::vector<OptionValue> depth_only{{"depth_only_pass", "true"}};
     expect_exact({.algorithm = "chc_plus_plus", .options = depth_only, .flags = true});
-}
-
-// Items that are never culled are drawn before everything else, however far they are: a covered
-// pixel hides nothing then. `lazy_grid` used to say so all the same.
-TEST(Exactness, OfEveryVariantOfLazyGridWithFlaggedItems)
-{
-    for (const char* variant : {"z_buffer", "occlusion_buffer"}) {
-        for (const char* source : {"depth", "queries"}) {
-            for (const char* update : {"lazy", "busy"}) {
-                for (const char* tests : {"1", "32"}) {
-                    SCOPED_TRACE(std::string{variant} + " " + source + " " + update + " " + tests);
-                    expect_exact({.algorithm = "lazy_grid",
-                                  .options = {{"variant", variant},
-                                              {"source", source},
-                                              {"update", update},
-                                              {"tests_at_once", tests}},
-                                  .flags = true});
-                }
-            }
-        }
-    }
 }
 
 TEST(Exactness, ARebuiltHierarchyStartsAfresh)

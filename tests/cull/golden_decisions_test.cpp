@@ -17,19 +17,49 @@
 namespace occlude {
 namespace {
 
-uint64_t decisions_of(const std::string& algorithm, const Hierarchy& tree)
+uint64_t decisions_on(ScriptedDevice& device, uint64_t& frame, const std::string& algorithm,
+                      const Hierarchy& tree, std::span<const OptionValue> options = {})
 {
-    uint64_t frame = 0;
-    DeviceScript script{.boxes = test::consistent_visibility(tree, 9, frame, 0.2f)};
-    script.caps.draw_and_query = true;
-    ScriptedDevice device(script);
-    auto culler = make_culler(algorithm, tree);
+    auto culler = make_culler(algorithm, tree, options);
     uint64_t hash = 0;
     for (; frame < 48; ++frame) {
         (*culler)->cull(test::rough_walk(frame), device);
         hash = walk_hash(hash, (*culler)->decisions().hash(tree, frame));
     }
     return hash;
+}
+
+uint64_t decisions_of(const std::string& algorithm, const Hierarchy& tree)
+{
+    uint64_t frame = 0;
+    DeviceScript script{.boxes = test::consistent_visibility(tree, 9, frame, 0.2f)};
+    script.caps.draw_and_query = true;
+    ScriptedDevice device(script);
+    return decisions_on(device, frame, algorithm, tree);
+}
+
+// On a device with every method, where tests pay: the made-up truth for tests of boxes, and tiles
+// of 8x8 pixels, near and far at random, as depth.
+uint64_t decisions_by(const std::string& algorithm, const Hierarchy& tree,
+                      std::vector<OptionValue> options)
+{
+    uint64_t frame = 0;
+    DeviceScript script{.boxes = test::consistent_visibility(tree, 9, frame, 0.2f)};
+    script.depth = [&frame](const PixelRect& rect, std::span<float> out) {
+        for (size_t i = 0; i < out.size(); ++i) {
+            const size_t x = i % static_cast<size_t>(rect.width);
+            const size_t y = i / static_cast<size_t>(rect.width);
+            out[i] = hash64(frame / 5, x / 8, y / 8) % 4 == 0 ? 1.0f : 0.995f;
+        }
+        return true;
+    };
+    script.caps.read_depth = true;
+    script.caps.us_per_triangle = 1.0f;
+    script.caps.us_per_item = 3.0f;
+    script.caps.methods = {{TestMethod::queries, 10.0f, 5.0f, 1.0f},
+                           {TestMethod::raster, 20.0f, 2.5f, 2.5f}};
+    ScriptedDevice device(script);
+    return decisions_on(device, frame, algorithm, tree, options);
 }
 
 Hierarchy tree_of(const HierarchyKind& kind)
@@ -59,6 +89,55 @@ TEST(GoldenDecisions, AreTheSameEverywhere)
         ASSERT_NE(kind, nullptr);
         EXPECT_EQ(decisions_of(golden.algorithm, tree_of(*kind)), golden.hash)
             << golden.algorithm << " on " << golden.hierarchy;
+    }
+}
+
+struct GoldenByMethod {
+    const char* hierarchy;
+    const char* algorithm;
+    const char* method; ///< of `adaptive`
+    uint64_t hash;
+};
+
+constexpr GoldenByMethod kGoldenByMethod[] = {
+    {"bvh", "two_phase", "", 0x56dfeb2a5d8e62ca},
+    {"bvh", "adaptive", "automatic", 0xcbd41e6e9e296da1},
+    {"bvh", "adaptive", "queries", 0x211ab888e844715d},
+    {"bvh", "adaptive", "raster", 0x1629063200f778a3},
+    {"bvh", "adaptive", "pyramid", 0xf370879245a2660e},
+    {"bsp", "two_phase", "", 0x43f55aed345ccc94},
+    {"bsp", "adaptive", "automatic", 0x631a8afefc8f8bb},
+    {"bsp", "adaptive", "queries", 0xcc7a4e2caea4285d},
+    {"bsp", "adaptive", "raster", 0x1bef443db77466b2},
+    {"bsp", "adaptive", "pyramid", 0x27f47f3869a6b1e},
+    {"octree", "two_phase", "", 0x9f699b335a475647},
+    {"octree", "adaptive", "automatic", 0xf49bca0fcd49eb8b},
+    {"octree", "adaptive", "queries", 0x23aa703ba5b0660b},
+    {"octree", "adaptive", "raster", 0x72aa89d536781e46},
+    {"octree", "adaptive", "pyramid", 0xad5171bf272b2a0e},
+    {"grid", "two_phase", "", 0xc150e67c401c1250},
+    {"grid", "adaptive", "automatic", 0x1613501b0c5a3fd},
+    {"grid", "adaptive", "queries", 0x5760bbc698129c70},
+    {"grid", "adaptive", "raster", 0xeaf37f1bf64de849},
+    {"grid", "adaptive", "pyramid", 0xa0cf5caaf3d02acd},
+    {"two_level", "two_phase", "", 0xcd9373b8198dba42},
+    {"two_level", "adaptive", "automatic", 0x31e6e29780c10a61},
+    {"two_level", "adaptive", "queries", 0x8072ad2ff722b542},
+    {"two_level", "adaptive", "raster", 0xf7f42c2c84101a4e},
+    {"two_level", "adaptive", "pyramid", 0x750506e175a16e0f},
+};
+
+TEST(GoldenDecisions, OfTheAlgorithmsOverACutAreTheSameEverywhereByEveryMethod)
+{
+    for (const GoldenByMethod& golden : kGoldenByMethod) {
+        const HierarchyKind* kind = find_hierarchy_kind(golden.hierarchy);
+        ASSERT_NE(kind, nullptr);
+        std::vector<OptionValue> options;
+        if (golden.method[0] != '\0') {
+            options.emplace_back("method", golden.method);
+        }
+        EXPECT_EQ(decisions_by(golden.algorithm, tree_of(*kind), options), golden.hash)
+            << golden.algorithm << " " << golden.method << " on " << golden.hierarchy;
     }
 }
 

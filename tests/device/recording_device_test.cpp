@@ -1,6 +1,7 @@
 #include "device_test_helpers.h"
 
 #include <occlude/device/recording_device.h>
+#include <occlude/device/replay_device.h>
 #include <occlude/device/scripted_device.h>
 
 #include <gtest/gtest.h>

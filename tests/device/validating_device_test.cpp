@@ -1,10 +1,11 @@
 #include "device_test_helpers.h"
+#include "validating_bench.h"
 
 #include <occlude/device/counting_device.h>
 #include <occlude/device/delaying_device.h>
 #include <occlude/device/recording_device.h>
+#include <occlude/device/replay_device.h>
 #include <occlude/device/scripted_device.h>
-#include <occlude/device/validating_device.h>
 
 #include <gtest/gtest.h>
 
@@ -15,29 +16,9 @@ namespace {
 
 using test::ask;
 using test::ask_batch;
+using test::Bench;
 using test::box_of;
 using test::draw;
-
-/// A device under test and the names of the rules that were broken so far.
-struct Bench {
-    explicit Bench(QueryDevice& inner,
-                   ValidatingDevice::DepthChecks checks = ValidatingDevice::DepthChecks::off)
-        : device(inner, {.on_violation =
-                             [this](std::string_view rule, std::string_view message) {
-                                 rules += std::string(rule) + " ";
-                                 messages += std::string(message) + "\n";
-                             },
-                         .depth_checks = checks})
-    {
-    }
-
-    /// The rules broken since the last call: "C5 C6 ".
-    std::string broken() { return std::exchange(rules, {}); }
-
-    std::string rules;
-    std::string messages;
-    ValidatingDevice device;
-};
 
 /// Answers what a test tells it to, however wrong.
 struct WrongDevice : QueryDevice {
@@ -118,111 +99,6 @@ TEST(ValidatingDevice, C1FramesDoNotNestAndVerbsComeInside)
     EXPECT_EQ(bench.broken(), "C1 ");
     device.poll(Ticket{});
     device.wait(Ticket{});
-    EXPECT_EQ(bench.broken(), "");
-}
-
-DeviceCaps depth_caps()
-{
-    return {.name = "depth", .read_depth = true, .methods = {}};
-}
-
-TEST(ValidatingDevice, C2ATestThatSawLaterDrawsIsCaught)
-{
-    ScriptedDevice scripted({.boxes = visible_subjects({}), .caps = depth_caps()});
-    Bench bench(scripted, ValidatingDevice::DepthChecks::around_batches);
-    bench.device.begin_frame(test::camera());
-    const Ticket ticket = ask(bench.device, {1}); // nothing is drawn: it must be seen
-    draw(bench.device, {1});
-    bench.device.wait(ticket);
-    EXPECT_EQ(bench.broken(), "C2 ");
-}
-
-TEST(ValidatingDevice, C3ACountOfZeroInFrontOfAllDepthIsCaught)
-{
-    float depth01 = 1.0f;
-    ScriptedDevice scripted({.boxes = visible_subjects({}),
-                             .depth =
-                                 [&](const PixelRect&, std::span<float> out) {
-                                     std::fill(out.begin(), out.end(), depth01);
-                                     return true;
-                                 },
-                             .caps = depth_caps()});
-    Bench bench(scripted, ValidatingDevice::DepthChecks::around_batches);
-    bench.device.begin_frame(test::camera());
-    bench.device.wait(ask(bench.device, {1}));
-    EXPECT_EQ(bench.broken(), "C3 ");
-    // The same for a turned box in its own space.
-    const glm::mat4 shift = glm::translate(glm::mat4{1.0f}, glm::vec3{0.0f, 0.0f, -10.0f});
-    const QueryBox box{Aabb{glm::vec3{-0.5f}, glm::vec3{0.5f}}, &shift, NodeId{1u}};
-    bench.device.wait(ask(bench.device, std::span{&box, 1}));
-    EXPECT_EQ(bench.broken(), "C3 ");
-
-    // The box spans 9.5 to 10.5; window depth there is 0.90 to 0.92. Nearer depth hides it, and
-    // depth inside of it may.
-    for (const float hides : {0.5f, 0.91f}) {
-        depth01 = hides;
-        bench.device.wait(ask(bench.device, {1}));
-        EXPECT_EQ(bench.broken(), "") << hides;
-    }
-    depth01 = 0.93f;
-    bench.device.wait(ask(bench.device, {1}));
-    EXPECT_EQ(bench.broken(), "C3 ");
-    scripted.script().boxes = {};
-    bench.device.wait(ask(bench.device, {1}));
-    EXPECT_EQ(bench.broken(), "") << "a box that is seen breaks nothing";
-}
-
-TEST(ValidatingDevice, C3HoldsInReversedDepthToo)
-{
-    // Reversed: near 1 is depth 1, far 100 is depth 0.
-    glm::mat4 projection = glm::perspective(glm::radians(90.0f), 1.0f, 1.0f, 100.0f);
-    projection[2][2] = 1.0f / 99.0f;
-    projection[3][2] = 100.0f / 99.0f;
-    const View view =
-        View::from_clip(projection, {64, 64}, {DepthRange::zero_to_one, DepthOrder::near_is_large});
-    for (const bool seen : {false, true}) {
-        ScriptedDevice scripted({.boxes = visible_subjects({}),
-                                 .depth =
-                                     [&](const PixelRect&, std::span<float> out) {
-                                         std::fill(out.begin(), out.end(), seen ? 0.93f : 0.88f);
-                                         return true;
-                                     },
-                                 .caps = depth_caps()});
-        Bench bench(scripted, ValidatingDevice::DepthChecks::around_batches);
-        bench.device.begin_frame(view);
-        bench.device.wait(ask(bench.device, {1}));
-        EXPECT_EQ(bench.broken(), seen ? "C3 " : "");
-    }
-}
-
-TEST(ValidatingDevice, C3DoesNotBlameBoxesTooSmallToCoverAPixel)
-{
-    ScriptedDevice scripted({.boxes = visible_subjects({}), .caps = depth_caps()});
-    Bench bench(scripted, ValidatingDevice::DepthChecks::around_batches);
-    bench.device.begin_frame(test::camera());
-    const glm::vec3 center{0.16f, 0.16f, -10.0f}; // the middle of a pixel of 0.3125
-    const QueryBox small{Aabb{center - 0.1f, center + 0.1f}, nullptr, NodeId{1u}};
-    bench.device.wait(ask(bench.device, std::span{&small, 1}));
-    EXPECT_EQ(bench.broken(), "");
-    const QueryBox large{Aabb{center - 0.3f, center + 0.3f}, nullptr, NodeId{1u}};
-    bench.device.wait(ask(bench.device, std::span{&large, 1}));
-    EXPECT_EQ(bench.broken(), "C3 ");
-}
-
-TEST(ValidatingDevice, C4ABatchThatWritesDepthIsCaught)
-{
-    ScriptedDevice scripted({.caps = depth_caps()});
-    scripted.script().depth = [&](const PixelRect&, std::span<float> out) {
-        std::fill(out.begin(), out.end(), 1.0f);
-        out[5] = scripted.outstanding() > 0 ? 0.5f : 1.0f; // as if the box had been drawn
-        return true;
-    };
-    Bench bench(scripted, ValidatingDevice::DepthChecks::around_batches);
-    bench.device.begin_frame(test::camera());
-    ask(bench.device, {1});
-    EXPECT_EQ(bench.broken(), "C4 ");
-    scripted.script().depth = {};
-    ask(bench.device, {1});
     EXPECT_EQ(bench.broken(), "");
 }
 

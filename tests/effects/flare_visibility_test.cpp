@@ -5,6 +5,7 @@
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/device/delaying_device.h>
+#include <occlude/device/flare_device.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/device/validating_device.h>
 

@@ -279,6 +279,37 @@ TEST(Split, TheUnknownIsNotCutAndTheHopelessIsLeft)
     EXPECT_EQ(split(stack, 10).parts.size(), 1u);
 }
 
+// Triangles through one another: however small the parts, a plane cuts most of what it meets.
+Soup crossing_triangles(uint32_t count, uint64_t seed)
+{
+    Soup soup;
+    Rng rng{seed};
+    for (uint32_t i = 0; i < 3 * count; ++i) {
+        soup.positions.push_back(
+            {rng.range(-1.0f, 1.0f), rng.range(-1.0f, 1.0f), rng.range(-1.0f, 1.0f)});
+        soup.normals.push_back({0.0f, 0.0f, 1.0f});
+        soup.indices.push_back(i);
+    }
+    return soup;
+}
+
+TEST(Split, CrossingTrianglesEndWithinTheLimitAndSayThatPartsStayedLarge)
+{
+    constexpr uint32_t kCount = 200;
+    const Soup soup = crossing_triangles(kCount, 5);
+    const SplitMesh mesh = split(soup, 1);
+    EXPECT_GT(mesh.unsplit_parts, 0u);
+    EXPECT_LE(mesh.indices.size() / 3, 2 * kMaxSplitGrowth * kCount)
+        << "with the corners of T-junctions";
+    EXPECT_GT(mesh.indices.size() / 3, 2 * kCount) << "planes do cut them";
+    EXPECT_NEAR(area_of(mesh.positions, mesh.indices), area_of(soup.positions, soup.indices), 1e-2);
+}
+
+TEST(Split, AnOrdinaryMeshIsFarFromTheLimit)
+{
+    EXPECT_EQ(split(bumpy_ball(24, 48, 3), 64).unsplit_parts, 0u);
+}
+
 TEST(Split, IsTheSameEveryTime)
 {
     const Soup ball = bumpy_ball(20, 30, 9);

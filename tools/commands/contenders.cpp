@@ -147,7 +147,7 @@ Result<bool> check_settings(std::span<const std::string> sets, std::span<const C
 Result<std::vector<Contender>> choose_contenders(const std::string& list,
                                                  std::span<const std::string> sets,
                                                  const DeviceCaps& caps, References references,
-                                                 const Clock& clock)
+                                                 const SecondsClock& clock)
 {
     const auto choices = choose(list, caps, references);
     if (!choices) {
@@ -161,7 +161,7 @@ Result<std::vector<Contender>> choose_contenders(const std::string& list,
         std::vector<OptionValue> values = settings_of(choice.info->name, sets);
         values.insert(values.end(), choice.options.begin(), choice.options.end());
         const auto asked_time = std::make_shared<bool>(false);
-        const Clock noticing = [clock, asked_time] {
+        const SecondsClock noticing = [clock, asked_time] {
             *asked_time = true;
             return clock();
         };

@@ -18,10 +18,10 @@ enum class References { always, if_asked };
 /// each once, in the order of the registry. Algorithms that need more than `caps` offers are left
 /// out of "all" and "exact", and are an error when named. Other errors name the unknown algorithm,
 /// option or setting and what there is. Options that count in time ask `clock`.
-Result<std::vector<Contender>> choose_contenders(const std::string& list,
-                                                 std::span<const std::string> sets,
-                                                 const DeviceCaps& caps, References references,
-                                                 const Clock& clock = steady_clock());
+Result<std::vector<Contender>>
+choose_contenders(const std::string& list, std::span<const std::string> sets,
+                  const DeviceCaps& caps, References references,
+                  const SecondsClock& clock = steady_seconds_clock());
 
 /// Which algorithms meet which hierarchies: what --algorithms and --hierarchy say.
 struct Pairing {

@@ -1,6 +1,6 @@
 #include "commands/progress.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <ostream>
@@ -10,7 +10,7 @@ namespace occlude::tools {
 static constexpr double kSecondsBetweenLines = 0.1;
 static constexpr size_t kBarWidth = 30;
 
-Progress::Progress(std::ostream& err, Watcher watcher, std::string label, Clock clock)
+Progress::Progress(std::ostream& err, Watcher watcher, std::string label, SecondsClock clock)
     : err_(err)
     , watcher_(watcher)
     , label_(std::move(label))

@@ -13,7 +13,8 @@ enum class Watcher { terminal, none };
 
 class Progress {
 public:
-    Progress(std::ostream& err, Watcher watcher, std::string label, Clock clock = steady_clock());
+    Progress(std::ostream& err, Watcher watcher, std::string label,
+             SecondsClock clock = steady_seconds_clock());
     /// Wipes the bar away.
     ~Progress();
     Progress(const Progress&) = delete;
@@ -26,7 +27,7 @@ private:
     std::ostream& err_;
     Watcher watcher_;
     std::string label_;
-    Clock clock_;
+    SecondsClock clock_;
     double start_;
     double last_shown_;
     size_t width_ = 0; ///< of the line on the screen

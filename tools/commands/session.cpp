@@ -8,7 +8,7 @@
 
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <optional>
 #include <ostream>
@@ -89,7 +89,7 @@ Session::Session(SceneModel model, const StageOptions& options,
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
 {
-    const Clock clock = steady_clock();
+    const SecondsClock clock = steady_seconds_clock();
     const double start = clock();
     for (const HierarchyChoice& choice : trees) {
         auto tree = std::make_unique<Tree>();
@@ -221,7 +221,7 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
     if (const auto checked = check_stage_options(options); !checked) {
         return checked.error();
     }
-    const Clock clock = steady_clock();
+    const SecondsClock clock = steady_seconds_clock();
     const double start = clock();
     auto model = load_scene(scene, scene_options(options));
     const double load_seconds = clock() - start;

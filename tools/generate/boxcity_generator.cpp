@@ -1,5 +1,6 @@
 #include "generate/boxcity_generator.h"
 
+#include "generate/city_paths.h"
 #include "model/mesh_tools.h"
 #include "walk/path_tools.h"
 
@@ -87,7 +88,7 @@ public:
     {
         const WalkStyle style{.look_ahead = 8.0f};
         const std::vector<Keyframe> street = walk_along(rounded(street_corners(), 4.0f), style);
-        return {{"street", street}, {"roofs", rise_from(street.front().camera)}};
+        return {{"street", street}, {"roofs", rise_from(street.front().camera, 70.0f, 20.0f)}};
     }
 
 private:
@@ -227,23 +228,6 @@ private:
         }
         corners.push_back(at(column, row));
         return corners;
-    }
-
-    static std::vector<Keyframe> rise_from(const Camera& street)
-    {
-        constexpr uint32_t kSteps = 12;
-        std::vector<Keyframe> keys;
-        const glm::vec3 ahead = street.target - street.eye;
-        for (uint32_t i = 0; i <= kSteps; ++i) {
-            const float t = static_cast<float>(i) / static_cast<float>(kSteps);
-            const float smooth = t * t * (3.0f - 2.0f * t);
-            Keyframe key{4.0f * static_cast<float>(i), street, false};
-            key.camera.eye.y += 70.0f * smooth;
-            key.camera.target = key.camera.eye + ahead * (1.0f + 20.0f * smooth);
-            key.camera.target.y = kEyeHeight;
-            keys.push_back(key);
-        }
-        return keys;
     }
 
     const BoxCityOptions& options_;

@@ -3,6 +3,7 @@
 #include "generate/city_buildings.h"
 #include "generate/city_furniture.h"
 #include "generate/city_paths.h"
+#include "generate/shapes.h"
 #include "model/mesh_tools.h"
 
 #include <occlude/core/rng.h>
@@ -50,20 +51,6 @@ struct Prototype {
     uint64_t seed = 0;
     uint64_t instances = 0;
 };
-
-/// Turns local space by quarter turns about y, counter-clockwise seen from above, and moves it.
-glm::mat4 placed(uint32_t quarter_turns, const glm::vec3& at)
-{
-    constexpr std::array<float, 4> kCos{1.0f, 0.0f, -1.0f, 0.0f};
-    constexpr std::array<float, 4> kSin{0.0f, 1.0f, 0.0f, -1.0f};
-    const float c = kCos[quarter_turns % 4];
-    const float s = kSin[quarter_turns % 4];
-    glm::mat4 m{1.0f};
-    m[0] = {c, 0.0f, -s, 0.0f};
-    m[2] = {s, 0.0f, c, 0.0f};
-    m[3] = {at, 1.0f};
-    return m;
-}
 
 /// Numbers are drawn one per statement: the order of arguments is the compiler's choice.
 class City {
@@ -193,10 +180,10 @@ void City::lay_out_side(const glm::vec3& center, uint32_t side, uint64_t block_s
         // Neighbours stand a little before or behind, above or below each other and overlap by a
         // centimetre: no gaps, and no two faces in one plane.
         const float step = static_cast<float>(slot % 5);
-        const glm::mat4 turned = placed(side, center);
+        const glm::mat4 turned = quarter_turned(side, center);
         const glm::vec4 at =
             turned * glm::vec4{x, 0.15f - 0.02f * step, kFacadeLine - 0.04f * step, 1.0f};
-        glm::mat4 world = placed(side, glm::vec3{at});
+        glm::mat4 world = quarter_turned(side, glm::vec3{at});
         const float wider = 1.0f + 0.01f / prototypes_[prototype].house.width;
         world[0] *= wider;
         place(prototype, world, facade_color(hash), "house");
@@ -221,7 +208,7 @@ void City::lay_out_yard(const glm::vec3& center, uint64_t block_seed)
     const uint64_t hash = hash64(block_seed, 50);
     if (uniform_below(hash, 12) == 0) {
         const glm::vec3 at = center + glm::vec3{0.0f, 0.15f, 0.5f * kTowerWidth};
-        place(first_tower_ + uniform_below(mix64(hash), kTowers), placed(0, at),
+        place(first_tower_ + uniform_below(mix64(hash), kTowers), quarter_turned(0, at),
               facade_color(mix64(hash)), "tower");
         return;
     }
@@ -229,7 +216,7 @@ void City::lay_out_yard(const glm::vec3& center, uint64_t block_seed)
     for (uint32_t i = 0; i < 3; ++i) {
         const glm::vec3 at{rng.range(-8.0f, 8.0f), 0.15f, rng.range(-8.0f, 8.0f)};
         const uint32_t tree = furniture(Furniture::tree, rng.next());
-        place(tree, placed(rng.below(4), center + at), {0.25f, 0.45f, 0.2f}, "tree");
+        place(tree, quarter_turned(rng.below(4), center + at), {0.25f, 0.45f, 0.2f}, "tree");
     }
 }
 
@@ -237,12 +224,13 @@ void City::lay_out_yard(const glm::vec3& center, uint64_t block_seed)
 void City::furnish_side(const glm::vec3& center, uint32_t side, uint64_t block_seed)
 {
     Rng rng(hash64(block_seed, side, 60));
-    const glm::mat4 turned = placed(side, center);
+    const glm::mat4 turned = quarter_turned(side, center);
     const auto add = [&](Furniture kind, float x, float z, uint32_t turns, const glm::vec3& color,
                          const char* name) {
         const float y = kind == Furniture::car ? 0.0f : 0.15f;
         const glm::vec4 at = turned * glm::vec4{x, y, z, 1.0f};
-        place(furniture(kind, rng.next()), placed(side + turns, glm::vec3{at}), color, name);
+        place(furniture(kind, rng.next()), quarter_turned(side + turns, glm::vec3{at}), color,
+              name);
     };
     for (float x : {-24.0f, -8.0f, 8.0f, 24.0f}) {
         if (rng.below(5) > 0) {
@@ -270,7 +258,7 @@ void City::lay_out_block(uint32_t row, uint32_t column)
 {
     const uint64_t seed = hash64(options_.seed, row, column, 5);
     const glm::vec3 center = streets_.block_center(row, column);
-    place(0, placed(0, center), {0.42f, 0.42f, 0.43f}, "ground");
+    place(0, quarter_turned(0, center), {0.42f, 0.42f, 0.43f}, "ground");
     for (uint32_t side = 0; side < 4; ++side) {
         lay_out_side(center, side, seed);
         furnish_side(center, side, seed);
@@ -289,7 +277,7 @@ Mesh City::make_ground(size_t budget) const
                      {low.x, y, low.y});
     };
     for (uint32_t side = 0; side < 4; ++side) {
-        const glm::mat4 turned = placed(side, glm::vec3{0.0f});
+        const glm::mat4 turned = quarter_turned(side, glm::vec3{0.0f});
         const auto at = [&](float x, float y, float z) {
             return glm::vec3{turned * glm::vec4{x, y, z, 1.0f}};
         };

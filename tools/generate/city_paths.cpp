@@ -106,4 +106,21 @@ std::vector<SceneModel::NamedPath> city_paths(const CityStreets& streets)
             {"teleport", with_cuts(street, glm::vec3{0.0f, 1.0f, 0.0f})}};
 }
 
+std::vector<Keyframe> rise_from(const Camera& street, float height, float reach)
+{
+    constexpr uint32_t kSteps = 12;
+    std::vector<Keyframe> keys;
+    const glm::vec3 ahead = street.target - street.eye;
+    for (uint32_t i = 0; i <= kSteps; ++i) {
+        const float t = static_cast<float>(i) / static_cast<float>(kSteps);
+        const float smooth = t * t * (3.0f - 2.0f * t);
+        Keyframe key{4.0f * static_cast<float>(i), street, false};
+        key.camera.eye.y += height * smooth;
+        key.camera.target = key.camera.eye + ahead * (1.0f + reach * smooth);
+        key.camera.target.y = kEyeHeight;
+        keys.push_back(key);
+    }
+    return keys;
+}
+
 } // namespace occlude::tools

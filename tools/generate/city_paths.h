@@ -36,4 +36,8 @@ private:
 /// cuts to other streets and turns by 90 degrees.
 std::vector<SceneModel::NamedPath> city_paths(const CityStreets& streets);
 
+/// From a camera in a street straight up by `height` metres, over 48 seconds, while its view
+/// reaches 1 + `reach` times as far ahead, always at what stands at the height of the eyes.
+std::vector<Keyframe> rise_from(const Camera& street, float height, float reach);
+
 } // namespace occlude::tools

@@ -19,269 +19,229 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <functional>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace occlude::tools {
 namespace {
 
-Result<SceneModel> make_city(std::string_view source, std::string_view text,
-                             const SceneOptions& options)
-{
-    CityOptions city;
-    uint64_t blocks = city.blocks;
-    const std::array parameters{
-        Parameter{"blocks", &blocks, 1, 64},
-        Parameter{"seed", &city.seed, 0, kMostSeed},
-        Parameter{"triangles", &city.triangles, 1000, 200000000},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    city.blocks = static_cast<uint32_t>(blocks);
-    auto model = generate_city(city, options);
-    return model ? std::move(model)
-                 : Result<SceneModel>{bad_parameter(source, model.error().message)};
-}
-
-Result<SceneModel> make_boxes(std::string_view source, std::string_view text,
-                              const SceneOptions& options)
-{
-    BoxesOptions boxes;
-    uint64_t count = boxes.count;
-    const std::array parameters{
-        Parameter{"count", &count, 1, 10000000},
-        Parameter{"seed", &boxes.seed, 0, kMostSeed},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    boxes.count = static_cast<uint32_t>(count);
-    return generate_boxes(boxes, options);
-}
-
-Result<SceneModel> make_boxcity(std::string_view source, std::string_view text,
-                                const SceneOptions& options)
-{
-    BoxCityOptions city;
-    const std::array parameters{
-        Parameter{"count", &city.count, 100, 1000000},
-        Parameter{"triangles", &city.triangles, 12, 10000},
-        Parameter{"seed", &city.seed, 0, kMostSeed},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    return generate_boxcity(city, options);
-}
-
-Result<SceneModel> make_teapots(std::string_view source, std::string_view text,
-                                const SceneOptions& options)
-{
-    TeapotsOptions teapots;
-    const std::array parameters{
-        Parameter{"count", &teapots.count, 1, 1000000},
-        Parameter{"triangles", &teapots.triangles, 64, 1000000},
-        Parameter{"seed", &teapots.seed, 0, kMostSeed},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    return generate_teapots(teapots, options);
-}
-
-Result<SceneModel> make_library(std::string_view source, std::string_view text,
-                                const SceneOptions& options)
-{
-    LibraryOptions library;
-    const std::array parameters{
-        Parameter{"books", &library.books, 1, 1000000},
-        Parameter{"triangles", &library.triangles, 12, 2000},
-        Parameter{"seed", &library.seed, 0, kMostSeed},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    return generate_library(library, options);
-}
-
-Result<SceneModel> make_plant(std::string_view source, std::string_view text,
-                              const SceneOptions& options)
-{
-    PlantOptions plant;
-    const std::array parameters{
-        Parameter{"triangles", &plant.triangles, 1000, 200000000},
-        Parameter{"objects", &plant.objects, 40, 20000},
-        Parameter{"seed", &plant.seed, 0, kMostSeed},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    auto model = generate_plant(plant, options);
-    return model ? std::move(model)
-                 : Result<SceneModel>{bad_parameter(source, model.error().message)};
-}
-
-Result<SceneModel> make_forest(std::string_view source, std::string_view text,
-                               const SceneOptions& options)
-{
-    ForestOptions forest;
-    const std::array parameters{
-        Parameter{"triangles", &forest.triangles, 1000, 200000000},
-        Parameter{"trees", &forest.trees, 1, 1000000},
-        Parameter{"seed", &forest.seed, 0, kMostSeed},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    return generate_forest(forest, options);
-}
-
-Result<SceneModel> make_bunnies(std::string_view source, std::string_view text,
-                                const SceneOptions& options)
-{
-    BunniesOptions bunnies;
-    const std::array parameters{
-        Parameter{"count", &bunnies.count, 1, 1000000},
-        Parameter{"triangles", &bunnies.triangles, 100, 1000000},
-        Parameter{"seed", &bunnies.seed, 0, kMostSeed},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    return generate_bunnies(bunnies, options);
-}
-
-Result<SceneModel> make_vienna(std::string_view source, std::string_view text,
-                               const SceneOptions& options)
-{
-    ViennaOptions vienna;
-    const std::array parameters{
-        Parameter{"blocks", &vienna.blocks, 1, 64},
-        Parameter{"triangles", &vienna.triangles, 1000, 200000000},
-        Parameter{"seed", &vienna.seed, 0, kMostSeed},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    auto model = generate_vienna(vienna, options);
-    return model ? std::move(model)
-                 : Result<SceneModel>{bad_parameter(source, model.error().message)};
-}
-
-template <SceneModel (*kGenerate)(const HollowOptions&, const SceneOptions&)>
-Result<SceneModel> make_hollow(std::string_view source, std::string_view text,
-                               const SceneOptions& options)
-{
-    HollowOptions hollow;
-    const std::array parameters{
-        Parameter{"count", &hollow.count, 1, 1000000},
-        Parameter{"triangles", &hollow.triangles, 4, 100000},
-        Parameter{"seed", &hollow.seed, 0, kMostSeed},
-    };
-    if (const auto problem = parse_parameters(source, text, parameters)) {
-        return *problem;
-    }
-    return kGenerate(hollow, options);
-}
-
-/// `count`, `seed` and `triangles` into an options struct of a scene that moves.
+/// A number that the user may set: a member of the options of a generator, and its range.
 template <class Options>
-std::optional<Error> parse_moving(std::string_view source, std::string_view text,
-                                  uint64_t most_triangles, Options& options)
-{
-    uint64_t count = options.count;
-    const std::array parameters{
-        Parameter{"count", &count, 1, 1000000},
-        Parameter{"seed", &options.seed, 0, kMostSeed},
-        Parameter{"triangles", &options.triangles, 12, most_triangles},
-    };
-    auto problem = parse_parameters(source, text, parameters);
-    options.count = static_cast<uint32_t>(count);
-    return problem;
-}
+struct Field {
+    std::string_view key;
+    uint64_t (*get)(const Options&);
+    void (*set)(Options&, uint64_t);
+    uint64_t least;
+    uint64_t most;
+};
 
-Result<SceneModel> make_movers(std::string_view source, std::string_view text,
-                               const SceneOptions& options)
+/// Precondition: `most` fits the member.
+template <auto kMember, class Options, class Number>
+Field<Options> field_of(Number Options::*, std::string_view key, uint64_t least, uint64_t most)
 {
-    MoversOptions movers;
-    if (const auto problem = parse_moving(source, text, 200000000, movers)) {
-        return *problem;
-    }
-    return generate_movers(movers, options);
+    return {key, [](const Options& options) { return uint64_t{options.*kMember}; },
+            [](Options& options, uint64_t value) { options.*kMember = static_cast<Number>(value); },
+            least, most};
 }
-
-Result<SceneModel> make_blobs(std::string_view source, std::string_view text,
-                              const SceneOptions& options)
+template <auto kMember>
+auto field(std::string_view key, uint64_t least, uint64_t most)
 {
-    BlobsOptions blobs;
-    if (const auto problem = parse_moving(source, text, 1000000, blobs)) {
-        return *problem;
-    }
-    return generate_blobs(blobs, options);
+    return field_of<kMember>(kMember, key, least, most);
 }
 
 struct Generator {
     GeneratorInfo info;
-    Result<SceneModel> (*make)(std::string_view source, std::string_view parameters,
-                               const SceneOptions& options);
+    std::function<Result<SceneModel>(std::string_view source, std::string_view parameters,
+                                     const SceneOptions& options)>
+        make;
 };
+
+/// "40k" for 40000, "1.7m" for 1700000, "254" for 254: as parse_parameters() reads it.
+std::string short_count(uint64_t value)
+{
+    if (value >= 1000000 && value % 100000 == 0) {
+        return fmt::format("{}m", static_cast<double>(value) / 1e6);
+    }
+    return value >= 10000 && value % 1000 == 0 ? fmt::format("{}k", value / 1000)
+                                               : std::to_string(value);
+}
+
+template <class Options>
+std::optional<Error> read_fields(std::string_view source, std::string_view text,
+                                 std::span<const Field<Options>> fields, Options& options)
+{
+    std::vector<uint64_t> values;
+    for (const Field<Options>& field : fields) {
+        values.push_back(field.get(options));
+    }
+    std::vector<Parameter> parameters;
+    for (size_t i = 0; i < fields.size(); ++i) {
+        parameters.push_back({fields[i].key, &values[i], fields[i].least, fields[i].most});
+    }
+    auto problem = parse_parameters(source, text, parameters);
+    for (size_t i = 0; i < fields.size(); ++i) {
+        fields[i].set(options, values[i]);
+    }
+    return problem;
+}
+
+/// One line of the table: `generate` makes the scene from the options, which are `fields`.
+template <class Options>
+Generator describe(std::string name, std::string description, std::vector<Field<Options>> fields,
+                   auto generate)
+{
+    const Options defaults;
+    std::string parameters;
+    for (const Field<Options>& field : fields) {
+        parameters += fmt::format("{}{}={}", parameters.empty() ? "" : ",", field.key,
+                                  short_count(field.get(defaults)));
+    }
+    const auto make = [fields = std::move(fields),
+                       generate](std::string_view source, std::string_view text,
+                                 const SceneOptions& scene_options) -> Result<SceneModel> {
+        Options options;
+        if (auto problem = read_fields<Options>(source, text, fields, options)) {
+            return *problem;
+        }
+        Result<SceneModel> model = generate(options, scene_options);
+        const bool bad_options = !model && model.error().code == ErrorCode::invalid_argument;
+        return bad_options ? Result<SceneModel>{bad_parameter(source, model.error().message)}
+                           : std::move(model);
+    };
+    return {{std::move(name), std::move(parameters), std::move(description)}, make};
+}
+
+constexpr uint64_t kMostTriangles = 200000000; // of a whole scene
+constexpr uint64_t kMostObjects = 1000000;
+
+// Streets and houses.
+void add_towns(std::vector<Generator>& table)
+{
+    using City = CityOptions;
+    using BoxCity = BoxCityOptions;
+    using Vienna = ViennaOptions;
+    table.push_back(describe<City>(
+        "city",
+        "streets between blocks of buildings with windows, balconies, roofs and street furniture; "
+        "blocks: per side",
+        {field<&City::blocks>("blocks", 1, 64), field<&City::seed>("seed", 0, kMostSeed),
+         field<&City::triangles>("triangles", 1000, kMostTriangles)},
+        generate_city));
+    table.push_back(describe<BoxCity>(
+        "boxcity",
+        "a city in which every object is one box: buildings, and blocks and boxes beside and on "
+        "them; triangles: of each",
+        {field<&BoxCity::count>("count", 100, kMostObjects),
+         field<&BoxCity::triangles>("triangles", 12, 10000),
+         field<&BoxCity::seed>("seed", 0, kMostSeed)},
+        generate_boxcity));
+    table.push_back(describe<Vienna>(
+        "vienna",
+        "an old town: narrow, winding streets, courtyards, steep roofs with dormers; blocks: per "
+        "side",
+        {field<&Vienna::blocks>("blocks", 1, 64),
+         field<&Vienna::triangles>("triangles", 1000, kMostTriangles),
+         field<&Vienna::seed>("seed", 0, kMostSeed)},
+        generate_vienna));
+}
+
+// Places that people have measured in: halls, plants, woods.
+void add_places(std::vector<Generator>& table)
+{
+    using Library = LibraryOptions;
+    using Plant = PlantOptions;
+    using Forest = ForestOptions;
+    table.push_back(describe<Library>(
+        "library",
+        "rows of shelves without backs, full of books, with reading places; triangles: of each "
+        "book",
+        {field<&Library::books>("books", 1, kMostObjects),
+         field<&Library::triangles>("triangles", 12, 2000),
+         field<&Library::seed>("seed", 0, kMostSeed)},
+        generate_library));
+    table.push_back(describe<Plant>(
+        "plant",
+        "an industrial plant: floors with boilers, tube bundles, pipe racks, tanks and stairs, "
+        "and a yard",
+        {field<&Plant::triangles>("triangles", 1000, kMostTriangles),
+         field<&Plant::objects>("objects", 40, 20000), field<&Plant::seed>("seed", 0, kMostSeed)},
+        generate_plant));
+    table.push_back(describe<Forest>(
+        "forest", "spruces and broad-leaved trees on rolling ground: leaky occluders",
+        {field<&Forest::triangles>("triangles", 1000, kMostTriangles),
+         field<&Forest::trees>("trees", 1, kMostObjects),
+         field<&Forest::seed>("seed", 0, kMostSeed)},
+        generate_forest));
+}
+
+// Many objects of one kind.
+void add_crowds(std::vector<Generator>& table)
+{
+    using Boxes = BoxesOptions;
+    using Movers = MoversOptions;
+    using Blobs = BlobsOptions;
+    using Teapots = TeapotsOptions;
+    using Bunnies = BunniesOptions;
+    using Hollow = HollowOptions;
+    table.push_back(describe<Boxes>(
+        "boxes", "boxes at random places in a cube of 100 m",
+        {field<&Boxes::count>("count", 1, 10000000), field<&Boxes::seed>("seed", 0, kMostSeed)},
+        generate_boxes));
+    table.push_back(describe<Movers>(
+        "movers",
+        "boxes, slabs and lumps that fly and tumble in a cube of 70 m; one in four appears and "
+        "vanishes; triangles: of all together",
+        {field<&Movers::count>("count", 1, kMostObjects),
+         field<&Movers::seed>("seed", 0, kMostSeed),
+         field<&Movers::triangles>("triangles", 12, kMostTriangles)},
+        generate_movers));
+    table.push_back(describe<Blobs>(
+        "blobs",
+        "interpenetrating blobs that move straight in a crowd, as the bunnies of the literature "
+        "do; triangles: of each",
+        {field<&Blobs::count>("count", 1, kMostObjects), field<&Blobs::seed>("seed", 0, kMostSeed),
+         field<&Blobs::triangles>("triangles", 12, 1000000)},
+        generate_blobs));
+    table.push_back(describe<Bunnies>(
+        "bunnies",
+        "interpenetrating Stanford bunnies that move straight in a crowd; triangles: of each, at "
+        "most",
+        {field<&Bunnies::count>("count", 1, kMostObjects),
+         field<&Bunnies::triangles>("triangles", 100, 1000000),
+         field<&Bunnies::seed>("seed", 0, kMostSeed)},
+        generate_bunnies));
+    table.push_back(describe<Teapots>(
+        "teapots",
+        "Utah teapots at random places in a cube, in all orientations; triangles: of each",
+        {field<&Teapots::count>("count", 1, kMostObjects),
+         field<&Teapots::triangles>("triangles", 64, 1000000),
+         field<&Teapots::seed>("seed", 0, kMostSeed)},
+        generate_teapots));
+    const std::vector<Field<Hollow>> hollow{field<&Hollow::count>("count", 1, kMostObjects),
+                                            field<&Hollow::triangles>("triangles", 4, 100000),
+                                            field<&Hollow::seed>("seed", 0, kMostSeed)};
+    table.push_back(describe<Hollow>(
+        "pyramids",
+        "pyramids behind each other: objects whose boxes stand out where they do not; triangles: "
+        "of each",
+        hollow, generate_pyramids));
+    table.push_back(describe<Hollow>(
+        "rings",
+        "thin rings behind each other: objects that fill little of their boxes; triangles: of each",
+        hollow, generate_rings));
+}
 
 std::span<const Generator> registry()
 {
-    static const std::array kGenerators{
-        Generator{{"city", "blocks=16,seed=1,triangles=10m",
-                   "streets between blocks of buildings with windows, balconies, roofs and street "
-                   "furniture; blocks: per side"},
-                  make_city},
-        Generator{{"boxes", "count=1000,seed=1", "boxes at random places in a cube of 100 m"},
-                  make_boxes},
-        Generator{{"movers", "count=2000,seed=1,triangles=500k",
-                   "boxes, slabs and lumps that fly and tumble in a cube of 70 m; one in four "
-                   "appears and vanishes; triangles: of all together"},
-                  make_movers},
-        Generator{{"blobs", "count=300,seed=1,triangles=70k",
-                   "interpenetrating blobs that move straight in a crowd, as the bunnies of the "
-                   "literature do; triangles: of each"},
-                  make_blobs},
-        Generator{
-            {"boxcity", "count=40k,triangles=12,seed=1",
-             "a city in which every object is one box: buildings, and blocks and boxes beside "
-             "and on them; triangles: of each"},
-            make_boxcity},
-        Generator{{"teapots", "count=5000,triangles=2304,seed=1",
-                   "Utah teapots at random places in a cube, in all orientations; triangles: of "
-                   "each"},
-                  make_teapots},
-        Generator{{"library", "books=40k,triangles=254,seed=1",
-                   "rows of shelves without backs, full of books, with reading places; triangles: "
-                   "of each book"},
-                  make_library},
-        Generator{{"plant", "triangles=2m,objects=1185,seed=1",
-                   "an industrial plant: floors with boilers, tube bundles, pipe racks, tanks and "
-                   "stairs, and a yard"},
-                  make_plant},
-        Generator{{"bunnies", "count=300,triangles=70k,seed=1",
-                   "interpenetrating Stanford bunnies that move straight in a crowd; triangles: of "
-                   "each, at most"},
-                  make_bunnies},
-        Generator{{"forest", "triangles=1.7m,trees=1000,seed=1",
-                   "spruces and broad-leaved trees on rolling ground: leaky occluders"},
-                  make_forest},
-        Generator{{"pyramids", "count=1000,triangles=256,seed=1",
-                   "pyramids behind each other: objects whose boxes stand out where they do not; "
-                   "triangles: of each"},
-                  make_hollow<generate_pyramids>},
-        Generator{{"rings", "count=1000,triangles=256,seed=1",
-                   "thin rings behind each other: objects that fill little of their boxes; "
-                   "triangles: of each"},
-                  make_hollow<generate_rings>},
-        Generator{{"vienna", "blocks=16,triangles=8m,seed=1",
-                   "an old town: narrow, winding streets, courtyards, steep roofs with dormers; "
-                   "blocks: per side"},
-                  make_vienna},
-    };
+    static const std::vector<Generator> kGenerators = [] {
+        std::vector<Generator> table;
+        add_towns(table);
+        add_places(table);
+        add_crowds(table);
+        return table;
+    }();
     return kGenerators;
 }
 

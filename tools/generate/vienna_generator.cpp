@@ -2,6 +2,7 @@
 
 #include "generate/city_buildings.h"
 #include "generate/city_furniture.h"
+#include "generate/city_paths.h"
 #include "generate/shapes.h"
 #include "walk/path_tools.h"
 
@@ -308,25 +309,8 @@ private:
         const WalkStyle style{.look_ahead = 9.0f};
         const std::vector<Keyframe> street = walk_along(rounded(corners, 5.0f), style);
         model_.paths = {{"street", street},
-                        {"rise", rise_from(street.front().camera)},
+                        {"rise", rise_from(street.front().camera, 60.0f, 12.0f)},
                         {"roofs", over_the_roofs()}};
-    }
-
-    static std::vector<Keyframe> rise_from(const Camera& street)
-    {
-        constexpr uint32_t kSteps = 12;
-        std::vector<Keyframe> keys;
-        const glm::vec3 ahead = street.target - street.eye;
-        for (uint32_t i = 0; i <= kSteps; ++i) {
-            const float t = static_cast<float>(i) / static_cast<float>(kSteps);
-            const float smooth = t * t * (3.0f - 2.0f * t);
-            Keyframe key{4.0f * static_cast<float>(i), street, false};
-            key.camera.eye.y += 60.0f * smooth;
-            key.camera.target = key.camera.eye + ahead * (1.0f + 12.0f * smooth);
-            key.camera.target.y = kEyeHeight;
-            keys.push_back(key);
-        }
-        return keys;
     }
 
     std::vector<Keyframe> over_the_roofs() const

@@ -27,7 +27,7 @@ struct MeasureOptions {
     /// Compares the image of every so many measured frames with the reference, after the frame was
     /// timed; 0: of none.
     size_t verify_every = 0;
-    Clock clock = steady_clock();
+    SecondsClock clock = steady_seconds_clock();
     ProgressCallback progress = {};
 };
 

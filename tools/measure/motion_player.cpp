@@ -26,7 +26,7 @@ void MotionPlayer::go_to(size_t frame)
         rewind();
     }
     take_over(frame);
-    const Clock clock = steady_clock();
+    const SecondsClock clock = steady_seconds_clock();
     const double start = clock();
     tree_.update(scene_.scene, frame);
     tree_seconds_ += clock() - start;

@@ -1,7 +1,5 @@
 #include "measure/timing_device.h"
 
-#include <chrono>
-
 namespace occlude::tools {
 
 namespace {
@@ -9,7 +7,7 @@ namespace {
 // Adds the lifetime of the object to a sum of seconds.
 class Span {
 public:
-    Span(const Clock& clock, double& sum)
+    Span(const SecondsClock& clock, double& sum)
         : clock_(clock)
         , sum_(sum)
         , start_(clock())
@@ -20,20 +18,12 @@ public:
     Span& operator=(const Span&) = delete;
 
 private:
-    const Clock& clock_;
+    const SecondsClock& clock_;
     double& sum_;
     double start_;
 };
 
 } // namespace
-
-Clock steady_clock()
-{
-    return [] {
-        const auto now = std::chrono::steady_clock::now().time_since_epoch();
-        return std::chrono::duration<double>(now).count();
-    };
-}
 
 void TimingDevice::restart()
 {
@@ -46,44 +36,44 @@ void TimingDevice::restart()
 void TimingDevice::begin_frame(const View& view)
 {
     const Span span{clock_, verb_seconds_};
-    inner_.begin_frame(view);
+    inner().begin_frame(view);
 }
 
 void TimingDevice::draw(std::span<const ItemId> items, DrawPass pass)
 {
     const Span span{clock_, verb_seconds_};
-    inner_.draw(items, pass);
+    inner().draw(items, pass);
 }
 
 void TimingDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
     const Span span{clock_, verb_seconds_};
-    inner_.query(batch, tickets);
+    inner().query(batch, tickets);
 }
 
 Ticket TimingDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
 {
     const Span span{clock_, verb_seconds_};
-    return inner_.draw_and_query(items, pass);
+    return inner().draw_and_query(items, pass);
 }
 
 void TimingDevice::flush()
 {
     const Span span{clock_, verb_seconds_};
-    inner_.flush();
+    inner().flush();
 }
 
 Answer TimingDevice::poll(Ticket ticket)
 {
     const Span span{clock_, verb_seconds_};
     ++polls_;
-    return inner_.poll(ticket);
+    return inner().poll(ticket);
 }
 
 Answer TimingDevice::wait(Ticket ticket)
 {
     const double start = clock_();
-    const Answer answer = inner_.wait(ticket);
+    const Answer answer = inner().wait(ticket);
     const double seconds = clock_() - start;
     verb_seconds_ += seconds;
     wait_seconds_ += seconds;
@@ -93,7 +83,7 @@ Answer TimingDevice::wait(Ticket ticket)
 bool TimingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
     const double start = clock_();
-    const bool read = inner_.read_depth(rect, out);
+    const bool read = inner().read_depth(rect, out);
     const double seconds = clock_() - start;
     verb_seconds_ += seconds;
     read_seconds_ += seconds;
@@ -103,7 +93,7 @@ bool TimingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 void TimingDevice::end_frame()
 {
     const Span span{clock_, verb_seconds_};
-    inner_.end_frame();
+    inner().end_frame();
 }
 
 } // namespace occlude::tools

@@ -2,21 +2,16 @@
 // to the culler.
 #pragma once
 
-#include <occlude/core/query_device.h>
-
-#include <functional>
+#include <occlude/core/clock.h>
+#include <occlude/device/forwarding_device.h>
 
 namespace occlude::tools {
 
-/// Seconds since some fixed moment; never goes back.
-using Clock = std::function<double()>;
-Clock steady_clock();
-
-class TimingDevice final : public QueryDevice {
+class TimingDevice final : public ForwardingDevice {
 public:
     /// `inner` outlives the decorator.
-    TimingDevice(QueryDevice& inner, Clock clock)
-        : inner_(inner)
+    TimingDevice(QueryDevice& inner, SecondsClock clock)
+        : ForwardingDevice(inner)
         , clock_(std::move(clock))
     {
     }
@@ -31,7 +26,6 @@ public:
     uint64_t polls() const { return polls_; }
     void restart();
 
-    const DeviceCaps& caps() const override { return inner_.caps(); }
     void begin_frame(const View& view) override;
     void draw(std::span<const ItemId> items, DrawPass pass) override;
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
@@ -43,8 +37,7 @@ public:
     void end_frame() override;
 
 private:
-    QueryDevice& inner_;
-    Clock clock_;
+    SecondsClock clock_;
     double verb_seconds_ = 0.0;
     double wait_seconds_ = 0.0;
     double read_seconds_ = 0.0;

@@ -1,7 +1,8 @@
 #include "report/json_report.h"
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include "files/json.h"
+
+#include <fmt/core.h>
 
 #include <cmath>
 
@@ -9,19 +10,17 @@ namespace occlude::tools {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // Whether every frame is told, or only what sums them up.
 enum class Detail { frames, sums };
 
 Json number(double value)
 {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
+    return std::isfinite(value) ? Json(value) : Json();
 }
 
 Json if_verified(bool verified, uint64_t count)
 {
-    return verified ? Json(count) : Json(nullptr);
+    return verified ? Json(count) : Json();
 }
 
 // Hashes go as text: a JSON number holds only 53 bits safely.
@@ -32,8 +31,12 @@ Json hash_text(uint64_t hash)
 
 Json distribution_json(const Distribution& d)
 {
-    return {{"median", number(d.median)}, {"mean", number(d.mean)}, {"p95", number(d.p95)},
-            {"p99", number(d.p99)},       {"max", number(d.max)},   {"total", number(d.total)}};
+    return Json::object({{"median", number(d.median)},
+                         {"mean", number(d.mean)},
+                         {"p95", number(d.p95)},
+                         {"p99", number(d.p99)},
+                         {"max", number(d.max)},
+                         {"total", number(d.total)}});
 }
 
 // `value(count)` is what becomes of a counter: itself for one frame, its mean for a run.
@@ -41,42 +44,42 @@ template <class Value>
 Json counters_json(const FrameCounters& c, double wait_ms, double read_ms, double cull_cpu_ms,
                    Value&& value)
 {
-    return {{"queries", value(c.queries)},
-            {"boxes", value(c.boxes)},
-            {"multiqueries", value(c.multiqueries)},
-            {"multiqueries_failed", value(c.multiqueries_failed)},
-            {"state_changes", value(c.state_changes)},
-            {"batches", value(c.batches)},
-            {"draw_calls", value(c.draw_calls)},
-            {"items_drawn", value(c.items_drawn)},
-            {"triangles_drawn", value(c.triangles_drawn)},
-            {"nodes_visited", value(c.nodes_visited)},
-            {"waits", value(c.waits)},
-            {"depth_reads", value(c.depth_reads)},
-            {"pixels_read", value(c.pixels_read)},
-            {"cells_asked", value(c.cells_asked)},
-            {"wait_ms", number(wait_ms)},
-            {"read_ms", number(read_ms)},
-            {"cull_cpu_ms", number(cull_cpu_ms)}};
+    return Json::object({{"queries", value(c.queries)},
+                         {"boxes", value(c.boxes)},
+                         {"multiqueries", value(c.multiqueries)},
+                         {"multiqueries_failed", value(c.multiqueries_failed)},
+                         {"state_changes", value(c.state_changes)},
+                         {"batches", value(c.batches)},
+                         {"draw_calls", value(c.draw_calls)},
+                         {"items_drawn", value(c.items_drawn)},
+                         {"triangles_drawn", value(c.triangles_drawn)},
+                         {"nodes_visited", value(c.nodes_visited)},
+                         {"waits", value(c.waits)},
+                         {"depth_reads", value(c.depth_reads)},
+                         {"pixels_read", value(c.pixels_read)},
+                         {"cells_asked", value(c.cells_asked)},
+                         {"wait_ms", number(wait_ms)},
+                         {"read_ms", number(read_ms)},
+                         {"cull_cpu_ms", number(cull_cpu_ms)}});
 }
 
 Json frame_json(const FrameFigures& frame)
 {
-    Json json = {{"frame", frame.frame},
-                 {"frame_ms", number(frame.frame_ms)},
-                 {"speedup_vs_frustum", number(frame.speedup_vs_frustum)},
-                 {"ratio_to_opt", number(frame.ratio_to_opt)},
-                 {"ratio_to_ideal", number(frame.ratio_to_ideal)}};
+    Json json = Json::object({{"frame", frame.frame},
+                              {"frame_ms", number(frame.frame_ms)},
+                              {"speedup_vs_frustum", number(frame.speedup_vs_frustum)},
+                              {"ratio_to_opt", number(frame.ratio_to_opt)},
+                              {"ratio_to_ideal", number(frame.ratio_to_ideal)}});
     json.update(counters_json(frame.counters, frame.wait_ms, frame.read_ms, frame.cull_cpu_ms,
                               [](uint64_t count) { return Json(count); }));
     const bool verified = frame.verdict.has_value();
     const Verdict verdict = frame.verdict.value_or(Verdict{});
-    json["overdraw_items_vs_exact"] = number(frame.overdraw_items_vs_exact);
-    json["differing_pixels"] = if_verified(verified, verdict.differing_pixels);
-    json["tied_pixels"] = if_verified(verified, verdict.tied_pixels);
-    json["decision_hash"] = hash_text(frame.decision_hash);
+    json.set("overdraw_items_vs_exact", number(frame.overdraw_items_vs_exact));
+    json.set("differing_pixels", if_verified(verified, verdict.differing_pixels));
+    json.set("tied_pixels", if_verified(verified, verdict.tied_pixels));
+    json.set("decision_hash", hash_text(frame.decision_hash));
     if (frame.plan.kind != FramePlan::Kind::fixed) {
-        json["plan"] = to_string(frame.plan);
+        json.set("plan", to_string(frame.plan));
     }
     return json;
 }
@@ -85,35 +88,36 @@ Json frame_json(const FrameFigures& frame)
 Json run_json(const AlgorithmRun& run, const BenchDocument& document)
 {
     const Summary summary = summarise(run);
-    return {{"algorithm", run.algorithm},
-            {"hierarchy", run.hierarchy},
-            {"device", document.device},
-            {"test", document.test},
-            {"guarantee", to_string(run.guarantee)},
-            {"frame_ms", distribution_json(summary.frame_ms)},
-            {"speedup_vs_frustum", number(summary.speedup_vs_frustum)},
-            {"slowest_vs_frustum", number(summary.slowest_vs_frustum)},
-            {"ratio_to_opt", number(summary.ratio_to_opt)},
-            {"ratio_to_ideal", number(summary.ratio_to_ideal)},
-            {"per_frame",
-             counters_json(summary.total, summary.wait_ms, summary.read_ms, summary.cull_cpu_ms,
-                           [&](uint64_t count) { return number(summary.per_frame(count)); })},
-            {"overdraw_items_vs_exact", number(summary.overdraw_items_vs_exact)},
-            {"differing_pixels", if_verified(summary.verified, summary.differing_pixels)},
-            {"differing_frames", if_verified(summary.verified, summary.differing_frames)},
-            {"tied_pixels", if_verified(summary.verified, summary.tied_pixels)},
-            {"compared_frames", summary.compared_frames},
-            {"decision_hash", hash_text(summary.decision_hash)},
-            {"decision_hash_reproducible",
-             (document.deterministic() || !run.polled) && !run.asked_time}};
+    return Json::object(
+        {{"algorithm", run.algorithm},
+         {"hierarchy", run.hierarchy},
+         {"device", document.device},
+         {"test", document.test},
+         {"guarantee", to_string(run.guarantee)},
+         {"frame_ms", distribution_json(summary.frame_ms)},
+         {"speedup_vs_frustum", number(summary.speedup_vs_frustum)},
+         {"slowest_vs_frustum", number(summary.slowest_vs_frustum)},
+         {"ratio_to_opt", number(summary.ratio_to_opt)},
+         {"ratio_to_ideal", number(summary.ratio_to_ideal)},
+         {"per_frame",
+          counters_json(summary.total, summary.wait_ms, summary.read_ms, summary.cull_cpu_ms,
+                        [&](uint64_t count) { return number(summary.per_frame(count)); })},
+         {"overdraw_items_vs_exact", number(summary.overdraw_items_vs_exact)},
+         {"differing_pixels", if_verified(summary.verified, summary.differing_pixels)},
+         {"differing_frames", if_verified(summary.verified, summary.differing_frames)},
+         {"tied_pixels", if_verified(summary.verified, summary.tied_pixels)},
+         {"compared_frames", summary.compared_frames},
+         {"decision_hash", hash_text(summary.decision_hash)},
+         {"decision_hash_reproducible",
+          (document.deterministic() || !run.polled) && !run.asked_time}});
 }
 
 Json preparation_json(const Preparation& preparation)
 {
-    return {{"load_seconds", number(preparation.load_seconds)},
-            {"hierarchy_seconds", number(preparation.hierarchy_seconds)},
-            {"tree_update_ms", number(preparation.tree_update_ms)},
-            {"uncut_triangles", preparation.uncut_triangles}};
+    return Json::object({{"load_seconds", number(preparation.load_seconds)},
+                         {"hierarchy_seconds", number(preparation.hierarchy_seconds)},
+                         {"tree_update_ms", number(preparation.tree_update_ms)},
+                         {"uncut_triangles", preparation.uncut_triangles}});
 }
 
 Json document_json(const BenchDocument& document, Detail detail)
@@ -122,44 +126,42 @@ Json document_json(const BenchDocument& document, Detail detail)
     for (const AlgorithmRun& run : document.runs) {
         Json json = run_json(run, document);
         if (detail == Detail::frames) {
-            json["frames"] = Json::array();
+            Json frames = Json::array();
             for (const FrameFigures& frame : run.frames) {
-                json["frames"].push_back(frame_json(frame));
+                frames.push_back(frame_json(frame));
             }
+            json.set("frames", std::move(frames));
         }
         runs.push_back(std::move(json));
     }
-    return {{"version", 1},
-            {"scene",
-             {{"name", document.scene},
-              {"objects", document.objects},
-              {"items", document.items},
-              {"triangles", document.triangles}}},
-            {"device",
-             {{"name", document.device},
-              {"api", document.api},
-              {"renderer", document.renderer},
-              {"deterministic", document.deterministic()}}},
-            {"hierarchy", document.hierarchy},
-            {"leaf_triangles", document.leaf_triangles},
-            {"item_triangles", document.item_triangles},
-            {"split", document.split},
-            {"sets", document.sets},
-            {"preparation", preparation_json(document.preparation)},
-            {"path", document.path},
-            {"size", {document.size.x, document.size.y}},
-            {"samples", document.samples},
-            {"frames", document.frames},
-            {"repeat", document.repeat},
-            {"sample_every", document.sample_every},
-            {"runs", std::move(runs)}};
+    return Json::object({{"version", 1},
+                         {"scene", Json::object({{"name", document.scene},
+                                                 {"objects", document.objects},
+                                                 {"items", document.items},
+                                                 {"triangles", document.triangles}})},
+                         {"device", Json::object({{"name", document.device},
+                                                  {"api", document.api},
+                                                  {"renderer", document.renderer},
+                                                  {"deterministic", document.deterministic()}})},
+                         {"hierarchy", document.hierarchy},
+                         {"leaf_triangles", document.leaf_triangles},
+                         {"item_triangles", document.item_triangles},
+                         {"split", document.split},
+                         {"sets", Json::list(document.sets)},
+                         {"preparation", preparation_json(document.preparation)},
+                         {"path", document.path},
+                         {"size", Json::array({document.size.x, document.size.y})},
+                         {"samples", document.samples},
+                         {"frames", document.frames},
+                         {"repeat", document.repeat},
+                         {"sample_every", document.sample_every},
+                         {"runs", std::move(runs)}});
 }
 
-// Names come from files: bytes that are not UTF-8 are replaced, never thrown about.
 std::string to_text(const Json& json)
 {
     constexpr int kIndent = 1;
-    return json.dump(kIndent, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json.dump(kIndent) + "\n";
 }
 
 } // namespace
@@ -170,19 +172,20 @@ std::string json_report(std::span<const BenchDocument> documents)
     for (const BenchDocument& document : documents) {
         json.push_back(document_json(document, Detail::frames));
     }
-    return to_text(documents.size() == 1 ? json[0] : json);
+    return to_text(documents.size() == 1 ? json.at(size_t{0}) : json);
 }
 
 std::string suite_report(const std::string& suite, const std::string& scale,
                          std::span<const BenchDocument> documents)
 {
-    Json json = {{"version", 1}, {"suite", suite}, {"scale", scale}, {"documents", Json::array()}};
+    Json list = Json::array();
     for (const BenchDocument& document : documents) {
-        Json entry = {{"entry", document.entry}, {"date", document.date}};
+        Json entry = Json::object({{"entry", document.entry}, {"date", document.date}});
         entry.update(document_json(document, Detail::sums));
-        json["documents"].push_back(std::move(entry));
+        list.push_back(std::move(entry));
     }
-    return to_text(json);
+    return to_text(Json::object(
+        {{"version", 1}, {"suite", suite}, {"scale", scale}, {"documents", std::move(list)}}));
 }
 
 } // namespace occlude::tools

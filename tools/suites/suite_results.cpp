@@ -1,14 +1,14 @@
 #include "suites/suite_results.h"
 
-#include "files/parse_json.h"
+#include "files/json.h"
+
+#include <fmt/core.h>
 
 #include <limits>
 
 namespace occlude::tools {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 template <class Map>
 double figure_of(const Map& figures, std::string_view name)
@@ -21,9 +21,9 @@ double figure_of(const Map& figures, std::string_view name)
 void collect_numbers(const Json& json, const std::string& prefix,
                      std::map<std::string, double, std::less<>>& figures)
 {
-    for (const auto& [key, value] : json.items()) {
+    for (const auto& [key, value] : json.members()) {
         if (value.is_number()) {
-            figures[prefix + key] = value.get<double>();
+            figures[prefix + key] = value.number();
         } else if (value.is_object()) {
             collect_numbers(value, prefix + key + '.', figures);
         }
@@ -33,8 +33,8 @@ void collect_numbers(const Json& json, const std::string& prefix,
 RunResult read_run(const Json& json)
 {
     RunResult run;
-    run.algorithm = json.at("algorithm").get<std::string>();
-    run.guarantee = json.at("guarantee").get<std::string>();
+    run.algorithm = json.at("algorithm").text();
+    run.guarantee = json.at("guarantee").text();
     collect_numbers(json, "", run.figures);
     return run;
 }
@@ -43,20 +43,22 @@ RunResult read_run(const Json& json)
 EntryResult read_entry(const Json& json)
 {
     EntryResult entry;
-    entry.name = json.at("entry").get<std::string>();
-    entry.date = json.at("date").get<std::string>();
-    entry.scene = json.at("scene").at("name").get<std::string>();
-    entry.path = json.at("path").get<std::string>();
+    entry.name = json.at("entry").text();
+    entry.date = json.at("date").text();
+    entry.scene = json.at("scene").at("name").text();
+    entry.path = json.at("path").text();
     const Json& size = json.at("size");
-    entry.size = fmt::format("{} x {}", whole_number(size.at(0), "size[0]"),
-                             whole_number(size.at(1), "size[1]"));
-    entry.hierarchy = json.at("hierarchy").get<std::string>();
-    entry.device = fmt::format("{}: {}", json.at("device").at("api").get<std::string>(),
-                               json.at("device").at("renderer").get<std::string>());
-    entry.split = json.at("split").get<std::string>();
-    entry.sets = json.at("sets").get<std::vector<std::string>>();
+    entry.size = fmt::format("{} x {}", whole_number(size.at(size_t{0}), "size[0]"),
+                             whole_number(size.at(size_t{1}), "size[1]"));
+    entry.hierarchy = json.at("hierarchy").text();
+    entry.device = fmt::format("{}: {}", json.at("device").at("api").text(),
+                               json.at("device").at("renderer").text());
+    entry.split = json.at("split").text();
+    for (const Json& set : json.at("sets").elements()) {
+        entry.sets.push_back(set.text());
+    }
     collect_numbers(json, "", entry.figures);
-    for (const Json& run : json.at("runs")) {
+    for (const Json& run : json.at("runs").elements()) {
         entry.runs.push_back(read_run(run));
     }
     return entry;
@@ -72,12 +74,12 @@ Error not_results(const std::string& file, const std::string& why)
 
 std::string name_of(const Json& document)
 {
-    return document.at("entry").get<std::string>();
+    return document.at("entry").text();
 }
 
 const Json* find_document(const Json& results, const std::string& name)
 {
-    for (const Json& document : results.at("documents")) {
+    for (const Json& document : results.at("documents").elements()) {
         if (name_of(document) == name) {
             return &document;
         }
@@ -121,11 +123,11 @@ Result<SuiteResults> parse_suite_results(const std::string& file, std::string_vi
 {
     std::string place;
     try {
-        const Json json = parse_json<Json>(text);
+        const Json json = Json::parse(text);
         SuiteResults results;
-        results.suite = json.at("suite").get<std::string>();
-        results.scale = json.at("scale").get<std::string>();
-        for (const Json& document : json.at("documents")) {
+        results.suite = json.at("suite").text();
+        results.scale = json.at("scale").text();
+        for (const Json& document : json.at("documents").elements()) {
             place = fmt::format("documents[{}]: ", results.entries.size());
             results.entries.push_back(read_entry(document));
         }
@@ -139,13 +141,13 @@ Result<std::string> add_to_results(const std::string& file, std::string_view kep
                                    std::string_view measured, const std::vector<std::string>& names)
 {
     try {
-        const Json old = parse_json<Json>(kept);
-        Json results = parse_json<Json>(measured);
+        const Json old = Json::parse(kept);
+        Json results = Json::parse(measured);
         for (const char* key : {"suite", "scale"}) {
             if (old.at(key) != results.at(key)) {
                 return Error{ErrorCode::invalid_argument,
-                             fmt::format("{}: its {} is {}, not {}; give another file, or leave "
-                                         "--add away to replace it",
+                             fmt::format("{}: its {} is {}, not {}; give another file, or omit "
+                                         "--add to replace it",
                                          file, key, old.at(key).dump(), results.at(key).dump())};
             }
         }
@@ -157,7 +159,7 @@ Result<std::string> add_to_results(const std::string& file, std::string_view kep
                 documents.push_back(*document);
             }
         }
-        results["documents"] = std::move(documents);
+        results.set("documents", std::move(documents));
         constexpr int kIndent = 1;
         return results.dump(kIndent) + "\n";
     } catch (const std::exception& error) {

@@ -1,7 +1,7 @@
 #include "walk/path_json.h"
 #include "walk/paths.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -11,22 +11,20 @@
 namespace occlude::tools {
 namespace {
 
-using nlohmann::json;
-
 constexpr uint32_t kLastFrame = 1000000000;
 
 /// The instance that a mover names, or what is wrong with the name.
-Result<uint32_t> find_object(const json& object, const SceneModel& model)
+Result<uint32_t> find_object(const Json& object, const SceneModel& model)
 {
     const size_t count = model.instances.size();
-    if (object.is_number_unsigned() && object.get<uint64_t>() < count) {
-        return object.get<uint32_t>();
+    if (object.is_unsigned() && object.unsigned_number() < count) {
+        return static_cast<uint32_t>(object.unsigned_number());
     }
     if (!object.is_string()) {
         return Error{ErrorCode::bad_data,
                      fmt::format("must be an object's name, or its index from 0 to {}", count - 1)};
     }
-    const auto name = object.get<std::string>();
+    const std::string& name = object.text();
     size_t found = 0;
     uint32_t index = 0;
     for (uint32_t i = 0; i < count; ++i) {
@@ -47,7 +45,7 @@ Result<uint32_t> find_object(const json& object, const SceneModel& model)
                                    found, name, count - 1)};
 }
 
-void read_rotation(const json& value, PathEntry& key_entry, glm::quat& out)
+void read_rotation(const Json& value, PathEntry& key_entry, glm::quat& out)
 {
     PathEntry entry(value, key_entry.place() + ".rotation", "{\"axis\": [0,1,0], \"degrees\": 90}");
     glm::vec3 axis{0.0f};
@@ -68,7 +66,7 @@ void read_rotation(const json& value, PathEntry& key_entry, glm::quat& out)
 }
 
 /// The keys of one mover into `motion`; what is wrong with them into `mover`.
-void read_keys(const json& list, PathEntry& mover, const Instance& instance, InstanceMotion& motion)
+void read_keys(const Json& list, PathEntry& mover, const Instance& instance, InstanceMotion& motion)
 {
     if (!list.is_array() || list.empty()) {
         mover.fail(mover.place() + ".keyframes must be a list with at least one entry");
@@ -77,13 +75,13 @@ void read_keys(const json& list, PathEntry& mover, const Instance& instance, Ins
     MotionKey key;
     key.position = glm::vec3{instance.world_from_mesh[3]};
     for (size_t i = 0; i < list.size(); ++i) {
-        PathEntry entry(list[i], fmt::format("{}.keyframes[{}]", mover.place(), i),
+        PathEntry entry(list.at(i), fmt::format("{}.keyframes[{}]", mover.place(), i),
                         "{\"frame\": 0, \"position\": [0,0,0]}");
         entry.require("frame");
         entry.read("frame", key.frame, kLastFrame);
         entry.read("position", key.position);
         if (entry.has("rotation")) {
-            read_rotation(list[i]["rotation"], entry, key.rotation);
+            read_rotation(list.at(i).at("rotation"), entry, key.rotation);
         }
         if (!motion.keys.empty() && key.frame <= motion.keys.back().frame) {
             entry.fail(entry.place() + ".frame must be later than the one before");
@@ -96,7 +94,7 @@ void read_keys(const json& list, PathEntry& mover, const Instance& instance, Ins
     }
 }
 
-void read_visible(const json& value, PathEntry& mover, InstanceMotion& motion)
+void read_visible(const Json& value, PathEntry& mover, InstanceMotion& motion)
 {
     PathEntry entry(value, mover.place() + ".visible", "{\"from\": 0, \"to\": 99}");
     entry.read("from", motion.first_frame, kLastFrame);
@@ -117,8 +115,8 @@ Result<size_t> read_movers(const std::string& file, SceneModel& model)
     if (!root) {
         return root.error();
     }
-    const auto movers = root->find("movers");
-    if (movers == root->end()) {
+    const Json* const movers = root->find("movers");
+    if (movers == nullptr) {
         return size_t{0};
     }
     if (!movers->is_array()) {
@@ -128,14 +126,14 @@ Result<size_t> read_movers(const std::string& file, SceneModel& model)
     motions.resize(model.instances.size());
     std::vector<bool> named(model.instances.size(), false);
     for (size_t i = 0; i < movers->size(); ++i) {
-        const json& value = (*movers)[i];
+        const Json& value = movers->at(i);
         PathEntry mover(value, fmt::format("movers[{}]", i),
                         "{\"object\": \"gate\", \"keyframes\": [...]}");
         mover.require("object");
         if (!mover.problem().empty()) {
             return bad_path(file, mover.problem());
         }
-        const auto index = find_object(value["object"], model);
+        const auto index = find_object(value.at("object"), model);
         if (!index) {
             return bad_path(file,
                             fmt::format("{}.object: {}", mover.place(), index.error().message));
@@ -146,10 +144,10 @@ Result<size_t> read_movers(const std::string& file, SceneModel& model)
         named[*index] = true;
         motions[*index] = {};
         if (mover.has("keyframes")) {
-            read_keys(value["keyframes"], mover, model.instances[*index], motions[*index]);
+            read_keys(value.at("keyframes"), mover, model.instances[*index], motions[*index]);
         }
         if (mover.has("visible")) {
-            read_visible(value["visible"], mover, motions[*index]);
+            read_visible(value.at("visible"), mover, motions[*index]);
         }
         if (!mover.has("keyframes") && !mover.has("visible")) {
             mover.fail(mover.place() + " has neither \"keyframes\" nor \"visible\"");

@@ -1,8 +1,7 @@
 #include "walk/path_json.h"
 #include "walk/paths.h"
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <fmt/core.h>
 
 #include <glm/geometric.hpp>
 
@@ -10,8 +9,6 @@
 
 namespace occlude::tools {
 namespace {
-
-using nlohmann::json;
 
 constexpr const char* kExample = "{\"eye\": [0,0,0], \"target\": [0,0,-1]}";
 
@@ -39,12 +36,12 @@ Camera read_camera(PathEntry& entry)
     return camera;
 }
 
-Result<std::vector<Camera>> read_frames(const std::string& file, const json& list,
+Result<std::vector<Camera>> read_frames(const std::string& file, const Json& list,
                                         size_t frame_count)
 {
     std::vector<Camera> frames;
     for (size_t i = 0; i < list.size() && i < frame_count; ++i) {
-        PathEntry entry(list[i], fmt::format("frames[{}]", i), kExample);
+        PathEntry entry(list.at(i), fmt::format("frames[{}]", i), kExample);
         frames.push_back(read_camera(entry));
         if (!entry.problem().empty()) {
             return bad_path(file, entry.problem());
@@ -53,12 +50,12 @@ Result<std::vector<Camera>> read_frames(const std::string& file, const json& lis
     return frames;
 }
 
-Result<std::vector<Camera>> read_keyframes(const std::string& file, const json& list,
+Result<std::vector<Camera>> read_keyframes(const std::string& file, const Json& list,
                                            size_t frame_count)
 {
     std::vector<Keyframe> keys;
     for (size_t i = 0; i < list.size(); ++i) {
-        PathEntry entry(list[i], fmt::format("keyframes[{}]", i), kExample);
+        PathEntry entry(list.at(i), fmt::format("keyframes[{}]", i), kExample);
         Keyframe key;
         key.camera = read_camera(entry);
         entry.require("time");
@@ -75,9 +72,9 @@ Result<std::vector<Camera>> read_keyframes(const std::string& file, const json& 
     return interpolate(keys, frame_count);
 }
 
-json to_json(const glm::vec3& v)
+Json to_json(const glm::vec3& v)
 {
-    return json::array({v.x, v.y, v.z});
+    return Json::array({v.x, v.y, v.z});
 }
 
 } // namespace
@@ -89,8 +86,8 @@ Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame
         return root.error();
     }
     for (const char* form : {"frames", "keyframes"}) {
-        const auto list = root->find(form);
-        if (list == root->end()) {
+        const Json* const list = root->find(form);
+        if (list == nullptr) {
             continue;
         }
         if (!list->is_array() || list->empty()) {
@@ -106,22 +103,22 @@ Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame
 
 Result<size_t> write_path_file(const std::string& file, std::span<const Camera> cameras)
 {
-    json frames = json::array();
+    Json frames = Json::array();
     for (const Camera& camera : cameras) {
-        json frame{{"eye", to_json(camera.eye)},
-                   {"target", to_json(camera.target)},
-                   {"up", to_json(camera.up)},
-                   {"fov_y", camera.fov_y}};
+        Json frame = Json::object({{"eye", to_json(camera.eye)},
+                                   {"target", to_json(camera.target)},
+                                   {"up", to_json(camera.up)},
+                                   {"fov_y", camera.fov_y}});
         if (camera.near > 0.0f) {
-            frame["near"] = camera.near;
+            frame.set("near", camera.near);
         }
         if (camera.far > 0.0f) {
-            frame["far"] = camera.far;
+            frame.set("far", camera.far);
         }
         frames.push_back(std::move(frame));
     }
     std::ofstream out(file, std::ios::binary);
-    out << json{{"version", 1}, {"frames", std::move(frames)}}.dump(1) << '\n';
+    out << Json::object({{"version", 1}, {"frames", std::move(frames)}}).dump(1) << '\n';
     out.flush();
     if (!out) {
         return Error{

@@ -1,9 +1,9 @@
 // How path files are read: JSON whose errors name the file, the entry and what it must hold.
 #pragma once
 
-#include <occlude/core/result.h>
+#include "files/json.h"
 
-#include <nlohmann/json.hpp>
+#include <occlude/core/result.h>
 
 #include <glm/vec3.hpp>
 
@@ -15,15 +15,15 @@ namespace occlude::tools {
 Error bad_path(const std::string& file, const std::string& what);
 
 /// Reads a path file as far as all kinds of it are alike: an object of version 1.
-Result<nlohmann::json> read_path_json(const std::string& file);
+Result<Json> read_path_json(const std::string& file);
 
 /// Reads members of one entry, and keeps the first thing that was wrong.
 class PathEntry {
 public:
     /// `place` is how errors call the entry; `example` is what it should look like.
-    PathEntry(const nlohmann::json& value, std::string place, const char* example);
+    PathEntry(const Json& value, std::string place, const char* example);
 
-    bool has(const char* key) const { return value_.is_object() && value_.contains(key); }
+    bool has(const char* key) const { return value_.contains(key); }
     /// Fails if there is no such member.
     void require(const char* key);
     /// Each reads a member into `out` if it is there, and fails if it is of another kind.
@@ -38,7 +38,7 @@ public:
     const std::string& problem() const { return problem_; }
 
 private:
-    const nlohmann::json& value_;
+    const Json& value_;
     std::string place_;
     std::string problem_;
 };

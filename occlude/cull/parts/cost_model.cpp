@@ -1,5 +1,6 @@
 #include <occlude/cull/parts/cost_model.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -10,21 +11,22 @@ namespace {
 // What a read-back and a test against it cost before anything was measured.
 constexpr RoundCost kPyramidHint{400.0, 0.1, 0.1};
 
-// Below this much drawing a frame says nothing about the cost of drawing.
-constexpr double kLeastSample = 256.0;
+// A frame that draws fewer units says nothing about the cost of drawing.
+constexpr double kMinSampleUnits = 256.0;
 
-// Frames must differ so much in their drawing before their difference says what drawing costs.
-constexpr double kApart = 4.0;
+// Two frames give a slope only if one drew at least this many times as much as the other: otherwise
+// noise dominates the difference.
+constexpr double kMinWorkRatio = 4.0;
 
-// However noisy the samples, at least this part of the largest frame was drawing.
-constexpr double kLeastShare = 0.1;
+// However noisy the samples, at least this part of the largest frame's time was drawing.
+constexpr double kMinDrawingShare = 0.1;
 
-// As long as none did, drawing costs at most so many times the hint.
-constexpr double kOverHint = 4.0;
+// Until there is a slope, drawing is taken to cost at most this many times the hint.
+constexpr double kMaxHintRatio = 4.0;
 
-// Each cost of a method is measured so often, by rounds of one box and of so many.
+// Each cost of a method is measured by this many rounds, of one box and of `kLargeRoundBoxes`.
 constexpr size_t kMeasuredRounds = 3;
-constexpr size_t kMoreBoxes = 16;
+constexpr size_t kLargeRoundBoxes = 16;
 
 } // namespace
 
@@ -65,16 +67,27 @@ void CostModel::take_hints(const DeviceCaps& caps)
     pyramid.hint = kPyramidHint;
 }
 
-size_t CostModel::size_of(double units)
+void CostModel::forget_measurements()
+{
+    for (Method& method : methods_) {
+        method.small_round_us = {};
+        method.us_per_test = {};
+        method.us_per_box = {};
+    }
+    drawn_ = {};
+    us_per_unit_ = hint_us_per_triangle_;
+}
+
+size_t CostModel::size_class(double units)
 {
     const int size = std::max(std::ilogb(std::max(units, 1.0)), 0);
-    return std::min(static_cast<size_t>(size), kSizes - 1);
+    return std::min(static_cast<size_t>(size), kSizeClasses - 1);
 }
 
 double CostModel::whole_us(double units) const
 {
     double us = us_per_unit_ * units;
-    for (size_t size = 0; size <= size_of(units); ++size) {
+    for (size_t size = 0; size <= size_class(units); ++size) {
         if (!drawn_[size].us.empty()) {
             us = std::max(us, drawn_[size].us.value());
         }
@@ -82,14 +95,14 @@ double CostModel::whole_us(double units) const
     return us;
 }
 
-// The slope between the least and the most that was drawn. The largest frame's whole cost is a
-// bound on it, as no frame costs less than its pixels.
-void CostModel::drew(double units, double us)
+// The slope between the frame that drew least and the one that drew most. The whole cost of the
+// largest frame, divided by its units, is a bound on it: no frame costs less than its pixels.
+void CostModel::record_drawing(double units, double us)
 {
-    if (units < kLeastSample) {
+    if (units < kMinSampleUnits) {
         return;
     }
-    Sample& sample = drawn_[size_of(units)];
+    Sample& sample = drawn_[size_class(units)];
     sample.units.add(units);
     sample.us.add(us);
 
@@ -98,11 +111,11 @@ void CostModel::drew(double units, double us)
     const Sample& most = *std::find_if(drawn_.rbegin(), drawn_.rend(), known);
     const double bound = most.us.value() / most.units.value();
     const double difference = most.units.value() - least.units.value();
-    if (most.units.value() >= kApart * least.units.value()) {
+    if (most.units.value() >= kMinWorkRatio * least.units.value()) {
         const double slope = (most.us.value() - least.us.value()) / difference;
-        us_per_unit_ = std::clamp(slope, kLeastShare * bound, bound);
+        us_per_unit_ = std::clamp(slope, kMinDrawingShare * bound, bound);
     } else {
-        us_per_unit_ = std::min(kOverHint * double{hint_us_per_triangle_}, bound);
+        us_per_unit_ = std::min(kMaxHintRatio * double{hint_us_per_triangle_}, bound);
     }
 }
 
@@ -127,7 +140,7 @@ RoundCost CostModel::round(TestMethod which) const
     return cost;
 }
 
-CostModel::Shape CostModel::least_known(TestMethod which) const
+CostModel::RoundSize CostModel::least_known(TestMethod which) const
 {
     const Method& method = methods_[index(which)];
     const size_t rounds = method.small_round_us.count();
@@ -135,15 +148,15 @@ CostModel::Shape CostModel::least_known(TestMethod which) const
         return {};
     }
     if (which != TestMethod::pyramid && method.us_per_test.count() < rounds) {
-        return {kMoreBoxes, kMoreBoxes};
+        return {kLargeRoundBoxes, kLargeRoundBoxes};
     }
     if (which == TestMethod::queries && method.us_per_box.count() < rounds) {
-        return {1, kMoreBoxes};
+        return {1, kLargeRoundBoxes};
     }
-    return rounds < kMeasuredRounds ? Shape{1, 1} : Shape{};
+    return rounds < kMeasuredRounds ? RoundSize{1, 1} : RoundSize{};
 }
 
-void CostModel::tested(TestMethod which, size_t tests, size_t boxes, double us)
+void CostModel::record_round(TestMethod which, size_t tests, size_t boxes, double us)
 {
     Method& method = methods_[index(which)];
     if (boxes <= 1) {

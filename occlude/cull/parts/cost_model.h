@@ -5,21 +5,18 @@
 //             Culling: Performance Driven Use of Hardware Occlusion Queries", EGSR 2006: what it
 //             costs to draw and what it costs to test.
 // Deviations  The paper measures once, at start-up, with drawings of its own. Here the frames
-//             themselves are timed, from one moment at which the device is idle to the next (a
-//             read-back or an awaited answer is such a moment), because that is the time a frame
-//             waits for, and because machines drift. Timer queries would leave out what the
-//             processor does, which on software devices is everything. What is learnt of drawing is
-//             a slope, the cost of one unit more (a triangle, or an item as so many triangles): a
-//             frame costs what its pixels cost whatever is hidden. Of each test method three
-//             numbers are learnt.
-// Guarantees  Noise: every figure comes from medians of recent samples. Without a clock no sample
-//             ever comes, and the hints of DeviceCaps stay: decisions are then the same in every
-//             run.
+//             themselves are timed, from one moment at which the device is idle to the next. A
+//             read-back and an awaited answer are such moments. That is the time a frame waits for,
+//             and it follows machines whose speed drifts. Timer queries would leave out the work of
+//             the processor, which on software devices is all work. What is learnt of drawing is a
+//             slope, the cost of one unit more: pixels cost the same whatever is hidden. Of each
+//             test method three numbers are learnt (RoundCost).
+// Guarantees  Every figure is a median of recent samples, so that one disturbed frame changes
+//             nothing. Without a clock there are no samples, and the hints of DeviceCaps stay:
+//             decisions are then the same in every run.
 #pragma once
 
-#include <occlude/core/frame_report.h>
 #include <occlude/core/query_device.h>
-#include <occlude/hierarchy/hierarchy.h>
 
 #include <algorithm>
 #include <array>
@@ -28,7 +25,8 @@
 
 namespace occlude {
 
-/// The median of the last few samples, the lower one of two: one disturbed sample changes nothing.
+/// The median of the last five samples, or of as many as there are; of an even number the lower of
+/// the two in the middle. One disturbed sample changes nothing.
 class RecentMedian {
 public:
     void add(double sample);
@@ -43,9 +41,9 @@ private:
     size_t count_ = 0;
 };
 
-/// What one round of tests by one method costs: `us_per_round` whatever is asked, starting the
-/// device and waiting for it included, `us_per_test` for each test of one box, and `us_per_box` for
-/// each box more that shares a test.
+/// What one round of tests by one method costs, in microseconds: `us_per_round` whatever is asked,
+/// with starting the device and waiting for it; `us_per_test` for each test of one box;
+/// `us_per_box` for each further box that shares a test.
 struct RoundCost {
     double us_per_round = 0.0;
     double us_per_test = 0.0;
@@ -59,30 +57,24 @@ class CostModel {
 public:
     /// Starts from the device's hints. Keeps what was measured if they are the hints it had.
     void take_hints(const DeviceCaps& caps);
+    /// Costs are what the hints say again.
+    void forget_measurements();
 
     // --- drawing ---
 
-    /// The work of drawing, in triangles: an item counts as so many.
+    /// The work of drawing, in units: a triangle is one, and an item counts as the number of
+    /// triangles that the device's hints say it costs.
     double units(uint64_t triangles, uint64_t items) const
     {
         return static_cast<double>(triangles) + triangles_per_item_ * static_cast<double>(items);
     }
-    double units(const Node& node) const
-    {
-        return units(node.subtree_triangles, node.subtree_items);
-    }
-    /// What has been drawn of a frame.
-    double units(const FrameCounters& counters) const
-    {
-        return units(counters.triangles_drawn, counters.items_drawn);
-    }
     double us_per_unit() const { return us_per_unit_; }
-    double draw_us(const Node& node) const { return us_per_unit_ * units(node); }
 
-    /// `units` were drawn in `us`, from idle to idle, pixels and all. A little says nothing and is
-    /// left out.
-    void drew(double units, double us);
-    /// What drawing so much takes, pixels and all: by the slope, or what so much or less has taken.
+    /// `units` were drawn in `us`, from idle to idle, with their pixels. Ignores less than
+    /// `kMinSampleUnits`.
+    void record_drawing(double units, double us);
+    /// What drawing `units` takes, with their pixels: by the slope, but not less than what as many
+    /// units or fewer have taken.
     double whole_us(double units) const;
 
     // --- testing ---
@@ -92,24 +84,24 @@ public:
     bool has(TestMethod method) const { return methods_[index(method)].available; }
 
     /// A round of `tests` of `boxes` by `method` on an idle device took `us`.
-    void tested(TestMethod method, size_t tests, size_t boxes, double us);
-    /// The round that would tell what is known least of `method`: so many tests of so many boxes.
-    /// None once each of its costs was measured a few times, or if the device does not have it.
-    struct Shape {
+    void record_round(TestMethod method, size_t tests, size_t boxes, double us);
+    /// The round whose time would tell what is known least of `method`. No tests once each of its
+    /// costs was measured three times, or if the device does not have the method.
+    struct RoundSize {
         size_t tests = 0;
         size_t boxes = 0;
     };
-    Shape least_known(TestMethod method) const;
-    /// What the device says of it.
+    RoundSize least_known(TestMethod method) const;
+    /// What the device's hints say that it costs.
     RoundCost hint(TestMethod method) const { return methods_[index(method)].hint; }
-    /// Rounds of a single test that tested() has heard of.
+    /// Rounds of a single test that were recorded.
     size_t rounds_measured(TestMethod method) const
     {
         return methods_[index(method)].small_round_us.count();
     }
 
-    /// Something of it was measured, but not all.
-    bool half_known(TestMethod method) const
+    /// Some of its costs were measured, but not all.
+    bool partly_known(TestMethod method) const
     {
         return rounds_measured(method) > 0 && least_known(method).tests > 0;
     }
@@ -119,10 +111,10 @@ private:
         bool available = false;
         RoundCost hint;
         RecentMedian small_round_us; ///< of one test of one box
-        RecentMedian us_per_test;    ///< what more tests took beyond that
-        RecentMedian us_per_box;     ///< ... and more boxes in one test
+        RecentMedian us_per_test;    ///< of each further test
+        RecentMedian us_per_box;     ///< of each further box in one test
     };
-    /// What frames of about the same amount of drawing took.
+    /// Frames that drew about the same number of units.
     struct Sample {
         RecentMedian units;
         RecentMedian us;
@@ -132,9 +124,9 @@ private:
     std::array<Method, 4> methods_{};
     double triangles_per_item_ = 0.0;
     double us_per_unit_ = 0.0;
-    static constexpr size_t kSizes = 40;
-    static size_t size_of(double units);
-    std::array<Sample, kSizes> drawn_{}; ///< by the binary logarithm of the units
+    static constexpr size_t kSizeClasses = 40;
+    static size_t size_class(double units);    ///< the binary logarithm
+    std::array<Sample, kSizeClasses> drawn_{}; ///< by size class
     float hint_us_per_triangle_ = -1.0f;
     float hint_us_per_item_ = -1.0f;
 };

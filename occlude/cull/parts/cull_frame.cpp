@@ -18,6 +18,7 @@ CullFrame::CullFrame(const Hierarchy& hierarchy, FrameRecord& record, const View
 {
     record_.clear();
     device_.begin_frame(view_);
+    spend_abandoned();
     start_never_culled();
 }
 
@@ -264,6 +265,19 @@ Answer CullFrame::wait(Ticket ticket)
 {
     ++report_.counters.waits;
     return counted(device_.wait(ticket));
+}
+
+size_t CullFrame::free_tickets(size_t held) const
+{
+    const size_t taken = held + record_.abandoned_tickets.size();
+    return caps().max_outstanding - std::min<size_t>(caps().max_outstanding, taken);
+}
+
+// Tickets that nobody asks for count among the device's outstanding ones until they are spent.
+void CullFrame::spend_abandoned()
+{
+    std::erase_if(record_.abandoned_tickets,
+                  [&](Ticket ticket) { return poll(ticket).state != AnswerState::pending; });
 }
 
 SamplePositions CullFrame::samples() const

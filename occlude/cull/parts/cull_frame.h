@@ -138,6 +138,10 @@ public:
     Answer poll(Ticket ticket);
     Answer wait(Ticket ticket);
 
+    /// How many more tests the device can take (C11), for a culler that holds `held` unspent
+    /// tickets.
+    size_t free_tickets(size_t held) const;
+
     /// Where the device has its samples, for boxes that are compared with depth.
     SamplePositions samples() const;
     /// Reads back depth; see QueryDevice::read_depth.
@@ -164,6 +168,7 @@ private:
     void draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask, Decision decision,
                     DecisionLog::Scope scope);
     void start_never_culled();
+    void spend_abandoned();
     bool set_aside(uint32_t position);
     void queue(uint32_t position);
     void draw_translucent();

@@ -33,13 +33,14 @@ void DepthTests::rectangles_hide(std::span<const ScreenBounds> bounds,
     }
 }
 
-bool DepthTests::closer(const Aabb& box, const ScreenBounds& bounds, uint32_t most_texels) const
+bool DepthTests::refined_hides(const Aabb& box, const ScreenBounds& bounds,
+                               uint32_t max_texels) const
 {
     if (!known_ || !bounds.valid || !refine_) {
         return false;
     }
-    return most_texels > 0 ? pyramid_.hides(ScreenBox{screen_, box}, bounds.rect, most_texels)
-                           : pyramid_.hides(bounds.rect, bounds.near_depth);
+    return max_texels > 0 ? pyramid_.hides(ScreenBox{screen_, box}, bounds.rect, max_texels)
+                          : pyramid_.hides(bounds.rect, bounds.near_depth);
 }
 
 // Beyond this condition (an upper bound, of Frobenius norms) the planes of an object's boxes would
@@ -47,7 +48,7 @@ bool DepthTests::closer(const Aabb& box, const ScreenBounds& bounds, uint32_t mo
 static constexpr float kWorstCondition = 1000.0f;
 
 bool DepthTests::hides(const View& view, const ItemShapes::Placed& placed,
-                       uint32_t most_texels) const
+                       uint32_t max_texels) const
 {
     const glm::mat4& map = placed.world_from_shape;
     const float shrink = inverse_stretch(map);
@@ -59,7 +60,7 @@ bool DepthTests::hides(const View& view, const ItemShapes::Placed& placed,
     const ScreenSpace screen = screen_.in(map, inflation);
     std::array<ScreenBounds, 32> block;
     std::array<uint8_t, 32> hidden;
-    uint32_t texels_left = most_texels;
+    uint32_t texels_left = max_texels;
     const std::span<const Aabb> boxes{*placed.shape};
     for (size_t first = 0; first < boxes.size(); first += block.size()) {
         const std::span<const Aabb> some =
@@ -80,7 +81,7 @@ bool DepthTests::hides(const View& view, const ItemShapes::Placed& placed,
     return true;
 }
 
-bool DepthTests::hides(const View& view, const Aabb& box, uint32_t most_texels) const
+bool DepthTests::hides(const View& view, const Aabb& box, uint32_t max_texels) const
 {
     if (!known_) {
         return false;
@@ -88,7 +89,7 @@ bool DepthTests::hides(const View& view, const Aabb& box, uint32_t most_texels) 
     const ScreenBounds bounds = occlude::project(view, box, samples_);
     return (bounds.valid &&
             pyramid_.hides(bounds.rect, bounds.near_depth, DepthPyramid::Refinement::none)) ||
-           closer(box, bounds, most_texels);
+           refined_hides(box, bounds, max_texels);
 }
 
 } // namespace occlude

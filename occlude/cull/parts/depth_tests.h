@@ -1,11 +1,10 @@
 // Boxes against the depth of this frame: read back once or a few times, asked on the CPU.
 //
 //   rectangle   the box's rectangle of pixels and its nearest depth, against at most 4x4 texels
-//   closer      where that does not hide it: the box itself, by its faces, texel by texel down to
+//   refined     where that does not hide it: the box itself, by its faces, texel by texel down to
 //               pixels, as long as that pays; or its rectangle, down to pixels
 //   a shape     the boxes of a shape (item_shapes.h), each by its rectangle and by its faces, in
-//   the
-//               space of the object: until one of them is not hidden
+//               the space of the object: until one of them is not hidden
 //
 // Guarantees  Errs toward "not hidden", as DepthPyramid and ScreenBox do.
 #pragma once
@@ -53,18 +52,18 @@ public:
     bool known() const { return known_; }
 
     /// True if everything in `box` is farther than what was drawn. The faces are tested with at
-    /// most `most_texels`; 0: the rectangle instead. Invalid bounds are those of rule R1: visible.
-    bool hides(const View& view, const Aabb& box, uint32_t most_texels) const;
+    /// most `max_texels`; 0: the rectangle instead. Invalid bounds are those of rule R1: visible.
+    bool hides(const View& view, const Aabb& box, uint32_t max_texels) const;
 
     /// The rectangles of many boxes at once: 1 in `hidden` where one is enough.
     void rectangles_hide(std::span<const ScreenBounds> bounds, std::span<uint8_t> hidden) const;
-    /// ... and a closer look at one of the others.
-    bool closer(const Aabb& box, const ScreenBounds& bounds, uint32_t most_texels) const;
+    /// ... and a closer look at one of the others: its faces, or its rectangle down to pixels.
+    bool refined_hides(const Aabb& box, const ScreenBounds& bounds, uint32_t max_texels) const;
 
     /// True if every box of the shape is farther than what was drawn, or misses the target. Their
-    /// faces are tested with at most `most_texels` together.
+    /// faces are tested with at most `max_texels` together.
     /// False under a map that is hard to invert.
-    bool hides(const View& view, const ItemShapes::Placed& placed, uint32_t most_texels) const;
+    bool hides(const View& view, const ItemShapes::Placed& placed, uint32_t max_texels) const;
 
 private:
     bool refine_;

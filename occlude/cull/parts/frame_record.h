@@ -1,5 +1,6 @@
-// What one frame of a culler leaves behind: the items it drew and why. A CullFrame fills it; the
-// culler keeps it between frames, so that a frame allocates nothing once its vectors have grown.
+// What one frame of a culler leaves behind: the items it drew and why, and the tests whose answers
+// nobody wants. A CullFrame fills it; the culler keeps it between frames, so that a frame allocates
+// nothing once its vectors have grown.
 #pragma once
 
 #include <occlude/core/ids.h>
@@ -16,7 +17,9 @@ struct FrameRecord {
     std::vector<TranslucentItem> translucent_items; ///< drawn last, back to front
     std::vector<uint32_t> late_items; ///< never_occlude items, as places in Hierarchy::items()
     DecisionLog decisions;
+    std::vector<Ticket> abandoned_tickets; ///< to be spent; they outlive frames
 
+    /// Leaves the abandoned tickets.
     void clear()
     {
         drawn_items.clear();

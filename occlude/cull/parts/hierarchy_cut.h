@@ -48,15 +48,19 @@ public:
     /// Adds an entry of the cut that this frame leaves. Together they must cover the tree again.
     void keep(const Entry& entry) { next_.push_back(entry); }
 
+    /// Forgets the entries that were kept since the last finish().
+    void drop_kept() { next_.clear(); }
+
     /// Ends a frame: the kept entries become the cut. An opened node below which all entries are
-    /// hidden or outside may be closed again if `chosen(node, state)` is true for the states of all
-    /// of them: where `merged(node, all_outside, replacement)` is true, `replacement` takes their
-    /// place. One level per frame; O(entries).
+    /// hidden or outside may become one entry again. It is tried if `chosen(node, state)` is true
+    /// for the states of all of them, and `replacement` takes their place if
+    /// `merged(node, all_outside, replacement)` is true. One level per frame; O(entries log
+    /// entries).
     template <class Chosen, class Merged>
     void finish(const Hierarchy& hierarchy, Chosen&& chosen, Merged&& merged);
 
-    /// For loops over entries: asks for what will be needed a few entries after `i`. In large
-    /// scenes nodes and items come from memory, and many can be on their way at once.
+    /// For loops over entries: prefetches the node or item of an entry a few places after `i`. In
+    /// large scenes they come from memory, and many can be on their way at once.
     static void fetch_ahead(const Hierarchy& hierarchy, std::span<const Entry> entries, size_t i);
 
 private:

@@ -168,11 +168,11 @@ TEST(CostModel, LearnsTheSlopeOfDrawingNotThePixels)
     costs.take_hints(caps);
     EXPECT_DOUBLE_EQ(costs.us_per_unit(), double{0.15f});
     for (int i = 0; i < 5; ++i) {
-        costs.drew(1000.0, 5000.0 + 0.5 * 1000.0);
-        costs.drew(64000.0, 5000.0 + 0.5 * 64000.0);
+        costs.record_drawing(1000.0, 5000.0 + 0.5 * 1000.0);
+        costs.record_drawing(64000.0, 5000.0 + 0.5 * 64000.0);
     }
     EXPECT_NEAR(costs.us_per_unit(), 0.5, 1e-9);
-    costs.drew(64000.0, 1e6); // one disturbed frame
+    costs.record_drawing(64000.0, 1e6); // one disturbed frame
     EXPECT_NEAR(costs.us_per_unit(), 0.5, 1e-9);
 }
 
@@ -187,13 +187,13 @@ TEST(CostModel, LearnsRoundsAndTests)
     EXPECT_EQ(costs.rounds_measured(TestMethod::queries), 0u);
     EXPECT_EQ(costs.least_known(TestMethod::raster).tests, 0u);
     EXPECT_EQ(costs.least_known(TestMethod::queries).boxes, 1u);
-    costs.tested(TestMethod::queries, 1, 1, 100.0);
+    costs.record_round(TestMethod::queries, 1, 1, 100.0);
     EXPECT_GT(costs.least_known(TestMethod::queries).tests, 1u);
-    costs.tested(TestMethod::queries, 17, 17, 100.0 + 16 * 5.0);
+    costs.record_round(TestMethod::queries, 17, 17, 100.0 + 16 * 5.0);
     EXPECT_NEAR(costs.round(TestMethod::queries).of(10.0), 100.0 + 50.0, 1e-9);
     EXPECT_EQ(costs.least_known(TestMethod::queries).tests, 1u);
     EXPECT_GT(costs.least_known(TestMethod::queries).boxes, 1u);
-    costs.tested(TestMethod::queries, 1, 11, 100.0 + 10 * 2.0);
+    costs.record_round(TestMethod::queries, 1, 11, 100.0 + 10 * 2.0);
     EXPECT_NEAR(costs.round(TestMethod::queries).of(10.0, 20.0), 100.0 + 50.0 + 20.0, 1e-9);
     EXPECT_EQ(costs.least_known(TestMethod::queries).boxes, 1u);
     EXPECT_EQ(costs.rounds_measured(TestMethod::queries), 1u);

@@ -130,7 +130,7 @@ TEST(ChooseContenders, TheTimeBudgetIsMillisecondsOfTheGivenClock)
     const Hierarchy tree = occlude::test::row_tree(3); // 8 items of 100 triangles
     ScriptedDevice device;
     int asked = 0;
-    const Clock clock = [&] { // every item takes 10 ms
+    const SecondsClock clock = [&] { // every item takes 10 ms
         ++asked;
         return 0.01 * static_cast<double>(device.items_drawn_this_frame().size());
     };

@@ -227,7 +227,7 @@ TEST(Measure, MedianOverRepeatsIsTheFigureOfAFrame)
     // Every look at the clock takes 1 ms more than the one before it.
     double now = 0.0;
     double step = 0.0;
-    const Clock clock = [&] { return now += (step += 0.001); };
+    const SecondsClock clock = [&] { return now += (step += 0.001); };
     const std::vector<Contender> contenders = {noting('a', notes)};
     const auto runs = measure(tiny.stage(), contenders, views, {.repeat = 3, .clock = clock});
     ASSERT_TRUE(runs);

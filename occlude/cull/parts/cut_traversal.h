@@ -1,0 +1,191 @@
+// One frame over a cut that is kept from frame to frame: the lists that it is sorted into, and what
+// becomes of each entry. Whoever tests (by depth: depth_traversal.h; on the device:
+// adaptive/by_device.h) takes candidates from here and says of each whether it is hidden.
+//
+//    the cut of the last frame --> in the frustum?
+//                                    visible then --> drawn()       drawn at once, near to far
+//                                    hidden, new  --> candidates()  to be tested
+//                                    outside      --> kept
+//    every entry comes back by keep_hidden(), keep_visible() or keep_outside(), itself or as its
+//    parts; finish() makes them the cut of the next frame, and quiet siblings their parent.
+//
+// Guarantees  If all that is not drawn came to keep_hidden() or keep_outside(), the frame is exact.
+//             What was visible and left the frustum comes back as a candidate (rule R8).
+// Cost        O(entries of the cut) a frame, which follows the visible boundary. Nothing is kept
+//             for each node of the tree.
+#pragma once
+
+#include <occlude/core/rng.h>
+#include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/hierarchy_cut.h>
+#include <occlude/cull/parts/share_estimate.h>
+#include <occlude/cull/parts/test_prices.h>
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace occlude {
+
+/// An entry of the cut on its way through one frame.
+struct CutCandidate {
+    HierarchyCut::Entry entry;
+    PlaneMask mask = Frustum::kAllPlanes;
+    float distance = 0.0f;
+    uint32_t failed_group = 0; ///< number of the part of a failed multiquery it was in, or 0
+};
+
+class CutTraversal {
+public:
+    using Entry = HierarchyCut::Entry;
+    using State = HierarchyCut::State;
+
+    explicit CutTraversal(const Hierarchy& hierarchy)
+        : hierarchy_(hierarchy)
+    {
+    }
+
+    const Hierarchy& hierarchy() const { return hierarchy_; }
+    const HierarchyCut& cut() const { return cut_; }
+
+    /// True if something of `node` was found visible by the last frame and will be drawn first in
+    /// the next. O(entries of the cut).
+    bool visible(NodeId node) const;
+
+    /// Forgets the cut.
+    void clear() { cut_.clear(); }
+    /// ... and what tests have found over frames.
+    void forget();
+    /// The cut becomes one unknown entry, the root.
+    void restart() { cut_.reset(hierarchy_); }
+
+    /// Holds until the next call.
+    void set_prices(const CutPrices& prices) { prices_ = prices; }
+
+    // --- one frame, in order ---
+
+    /// Also after a frame that ended half-way, because the engine's draw callback threw: the cut is
+    /// then that of the frame before.
+    void start_frame();
+
+    /// Parts the cut into what is outside, what was visible, and the rest. `turned_hidden` names
+    /// entries (by name_of(), ascending) that were visible and have turned out hidden since.
+    void sort_out(CullFrame& frame, std::span<const uint64_t> turned_hidden = {});
+
+    /// Draws what was visible, near to far.
+    void draw_visible(CullFrame& frame);
+
+    /// From here on everything is drawn already: tests are for the next frame and decide nothing.
+    void assume_all_drawn() { all_drawn_ = true; }
+
+    /// Ends the frame: the entries that were kept become the cut. One in `kNodesPerTrial` of the
+    /// nodes below which nothing is visible, by a hash of `seed`, becomes one entry again if it is
+    /// outside the frustum or `hides(node)`.
+    template <class Hides>
+    void finish(CullFrame& frame, uint64_t seed, Hides&& hides);
+    /// ... and no node becomes one entry again.
+    void finish_without_merging();
+
+    /// Drawn in this frame, or to be kept visible: what was visible, then what was revealed.
+    std::vector<CutCandidate>& drawn() { return drawn_; }
+    /// Hidden or unknown, in the frustum.
+    std::vector<CutCandidate>& candidates() { return candidates_; }
+
+    // --- entries ---
+
+    const Aabb& box_of(const Entry& entry) const
+    {
+        return entry.is_item() ? hierarchy_.item_bounds()[entry.place].box
+                               : hierarchy_.node(entry.node).box;
+    }
+    uint64_t items_of(const Entry& entry) const
+    {
+        return entry.is_item() ? 1 : hierarchy_.node(entry.node).subtree_items;
+    }
+    /// The work of drawing it, in units.
+    double units_of(const Entry& entry) const;
+    double draw_us(const Entry& entry) const { return prices_.us_per_unit * units_of(entry); }
+    /// The cost of drawing what is queued.
+    double queued_us(const CullFrame& frame) const
+    {
+        return prices_.us_per_unit * units(frame.queued_triangles(), frame.queued_items());
+    }
+    /// False for what has no parts, or is drawn whole.
+    bool opens(const Entry& entry) const;
+    static uint64_t name_of(const Entry& entry)
+    {
+        return uint64_t{entry.node.value} << 32 | entry.place;
+    }
+
+    bool visit(CullFrame& frame, CutCandidate& candidate) const;
+    /// Queues it for drawing, unless everything is drawn already.
+    void draw(CullFrame& frame, const CutCandidate& candidate, Decision decision) const;
+    /// Adds what an opened node consists of: its own items and its children, the farthest first.
+    void add_parts(const CullFrame& frame, const CutCandidate& candidate,
+                   std::vector<CutCandidate>& out);
+
+    /// A test of this frame found it hidden before it was drawn.
+    void keep_hidden(CullFrame& frame, Entry entry, Decision decision);
+    /// ... or afterwards: it was drawn, and the next frame will test it first.
+    void keep_drawn_in_vain(const CullFrame& frame, Entry entry);
+    void keep_visible(Entry entry) { keep(entry, State::visible); }
+    void keep_outside(Entry entry) { keep(entry, State::outside); }
+    /// Nothing is known of it.
+    void keep_unknown(Entry entry);
+
+    // --- what the tests of this frame found ---
+
+    /// The work that was not drawn, because tests of this frame found it hidden.
+    double hidden_units() const { return hidden_units_; }
+    /// The work that was drawn although it is hidden.
+    double wasted_units() const { return wasted_units_; }
+
+    /// The share of hidden answers, of what was tested for the first time. Over frames.
+    ShareEstimate hidden_share;
+
+private:
+    double units(uint64_t triangles, uint64_t items) const
+    {
+        return static_cast<double>(triangles) + prices_.units_per_item * static_cast<double>(items);
+    }
+    void keep(Entry& entry, State state);
+    /// Merging costs a test of the node unless all of it is outside; hence few are tried in a
+    /// frame.
+    static bool is_tried(uint64_t turn, NodeId node, State state);
+
+    struct Part {
+        float distance;
+        NodeId node;
+        uint32_t place;
+    };
+
+    const Hierarchy& hierarchy_;
+    CutPrices prices_;
+    HierarchyCut cut_;
+    std::vector<CutCandidate> drawn_;
+    std::vector<CutCandidate> candidates_;
+    bool all_drawn_ = false;
+    double hidden_units_ = 0.0;
+    double wasted_units_ = 0.0;
+    std::vector<Part> parts_;                       ///< scratch
+    std::vector<CutCandidate> by_distance_;         ///< scratch
+    std::vector<std::pair<float, uint32_t>> order_; ///< scratch
+};
+
+template <class Hides>
+void CutTraversal::finish(CullFrame& frame, uint64_t seed, Hides&& hides)
+{
+    const uint64_t turn = hash64(seed, frame.stamp());
+    cut_.finish(
+        hierarchy_, [&](NodeId node, State state) { return is_tried(turn, node, state); },
+        [&](NodeId node, bool all_outside, Entry& replacement) {
+            PlaneMask mask = Frustum::kAllPlanes;
+            const bool outside = frame.view().frustum().classify(hierarchy_.node(node).box, mask) ==
+                                 Containment::outside;
+            replacement.state = all_outside || outside ? State::outside : State::hidden;
+            return all_outside || outside ? outside : hides(node);
+        });
+}
+
+} // namespace occlude

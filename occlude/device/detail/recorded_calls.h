@@ -1,0 +1,62 @@
+// Calls as they are recorded and compared. Internal.
+#pragma once
+
+#include <occlude/device/recording.h>
+
+#include <span>
+#include <string>
+
+namespace occlude::detail {
+
+/// What was asked, and caps, as bytes: equal where the calls or the caps are.
+std::string question_bytes(const RecordedCall& call);
+std::string caps_bytes(const DeviceCaps& caps);
+
+inline RecordedCall call_of(DeviceVerb verb)
+{
+    RecordedCall call;
+    call.verb = verb;
+    return call;
+}
+
+inline RecordedCall frame_call(const View& view)
+{
+    RecordedCall call = call_of(DeviceVerb::begin_frame);
+    call.clip_from_world = view.clip_from_world();
+    call.size_px = view.size_px();
+    call.convention = view.convention();
+    return call;
+}
+
+inline RecordedCall draw_call(DeviceVerb verb, std::span<const ItemId> items, DrawPass pass)
+{
+    RecordedCall call = call_of(verb);
+    call.items.assign(items.begin(), items.end());
+    call.pass = pass;
+    return call;
+}
+
+inline RecordedCall query_call(const QueryBatch& batch)
+{
+    RecordedCall call = call_of(DeviceVerb::query);
+    call.method = batch.method;
+    for (const QueryBox& box : batch.boxes) {
+        RecordedBox& recorded = call.boxes.emplace_back();
+        recorded.box = box.box;
+        recorded.subject = box.subject;
+        if (box.world_from_box) {
+            recorded.world_from_box = *box.world_from_box;
+        }
+    }
+    call.test_ends.assign(batch.test_ends.begin(), batch.test_ends.end());
+    return call;
+}
+
+inline RecordedCall depth_call(const PixelRect& rect)
+{
+    RecordedCall call = call_of(DeviceVerb::read_depth);
+    call.rect = rect;
+    return call;
+}
+
+} // namespace occlude::detail
