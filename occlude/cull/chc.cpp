@@ -10,6 +10,13 @@ Guarantee Chc::guarantee() const
                                    : Guarantee::approximate(options_.threshold);
 }
 
+void Chc::reset_state()
+{
+    states_.clear();
+    distance_queue_.clear();
+    query_queue_.clear();
+}
+
 bool Chc::visible(NodeId node) const
 {
     return node.value < states_.size() && states_[node.value].visible;

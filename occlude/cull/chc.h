@@ -70,7 +70,7 @@ private:
     };
 
     void cull_frame(CullFrame& frame) override;
-    void reset_state() override { states_.clear(); }
+    void reset_state() override;
     Guarantee guarantee() const override;
 
     void visit_node(CullFrame& frame, DistanceQueue::Entry entry);

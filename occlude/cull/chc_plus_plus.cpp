@@ -19,6 +19,11 @@ void ChcPlusPlus::reset_state()
 {
     states_.clear();
     keep_table_.clear();
+    distance_queue_.clear();
+    query_queue_.clear();
+    i_queue_.clear();
+    v_queue_.clear();
+    batcher_.clear();
 }
 
 Guarantee ChcPlusPlus::guarantee() const
@@ -74,47 +79,50 @@ uint32_t ChcPlusPlus::first_test_after(uint32_t stamp, NodeId node) const
     return stamp + (options_.jitter ? 1 + uniform_below(random, n_av) : n_av);
 }
 
-// --- issuing tests
-// -----------------------------------------------------------------------------------
+// --- issuing tests -------------------------------------------------------------------------------
 
-// Collects one test over queried_nodes_[first, first + count).
-void ChcPlusPlus::add_test(CullFrame& frame, uint32_t first, uint32_t count)
+// The boxes of one node, for the batcher.
+auto ChcPlusPlus::add_boxes(CullFrame& frame)
 {
-    for (uint32_t i = first; i < first + count; ++i) {
-        const NodeId node = queried_nodes_[i];
-        const auto parts = tight_bounds_.collect(hierarchy(), node, options_.tight_bounds_depth,
-                                                 options_.tight_bounds_area);
-        for (const NodeId part : parts) {
-            batch_.add_box(frame.test_box(part), node);
+    return [this, &frame](uint32_t member, TestBatch& batch) {
+        const NodeId node{member};
+        for (const NodeId part : tight_bounds_.collect(
+                 hierarchy(), node, options_.tight_bounds_depth, options_.tight_bounds_area)) {
+            batch.add_box(frame.test_box(part), node);
         }
-    }
-    batch_.end_test();
-    collected_.push_back({Ticket{}, first, count});
-    if (count > 1) {
-        ++frame.counters().multiqueries;
-    }
+    };
 }
 
-void ChcPlusPlus::add_node_test(CullFrame& frame, NodeId node)
+void ChcPlusPlus::add_test(CullFrame& frame, NodeId node)
 {
-    const auto first = static_cast<uint32_t>(queried_nodes_.size());
-    queried_nodes_.push_back(node);
-    add_test(frame, first, 1);
+    batcher_.add_test({&node.value, 1}, add_boxes(frame));
 }
 
-// IssueQuery for all collected tests: one change of state.
+// IssueQuery for all added tests: one change of state.
 void ChcPlusPlus::submit(CullFrame& frame)
 {
     if (frame.queued_triangles() >= options_.min_render_triangles) {
         frame.flush_draws();
     }
-    frame.query(batch_, tickets_);
-    for (size_t i = 0; i < collected_.size(); ++i) {
-        collected_[i].ticket = tickets_[i];
-        query_queue_.push(collected_[i]);
+    for (const PendingQuery& query : batcher_.submit(frame)) {
+        query_queue_.push(query);
     }
-    batch_.clear();
-    collected_.clear();
+}
+
+void ChcPlusPlus::query_previously_invisible_node(CullFrame& frame, NodeId node)
+{
+    i_queue_.push_back(node);
+    if (i_queue_.size() >= options_.batch_size) {
+        issue_multiqueries(frame);
+    }
+}
+
+double ChcPlusPlus::keep_probability(NodeId node) const
+{
+    const uint32_t frames_hidden = states_[node.value].frames_hidden;
+    return options_.multiqueries == ChcPlusPlusOptions::Multiqueries::measured
+               ? keep_table_.keep_probability(frames_hidden)
+               : analytic_keep_probability(frames_hidden);
 }
 
 void ChcPlusPlus::issue_multiqueries(CullFrame& frame)
@@ -122,36 +130,20 @@ void ChcPlusPlus::issue_multiqueries(CullFrame& frame)
     if (i_queue_.empty()) {
         return;
     }
-    candidates_.clear();
-    for (const NodeId node : i_queue_) {
-        const uint32_t frames_hidden = states_[node.value].frames_hidden;
-        const double keep = options_.multiqueries == ChcPlusPlusOptions::Multiqueries::measured
-                                ? keep_table_.keep_probability(frames_hidden)
-                                : analytic_keep_probability(frames_hidden);
-        candidates_.push_back({keep, static_cast<uint32_t>(candidates_.size()), node});
+    if (options_.multiqueries == ChcPlusPlusOptions::Multiqueries::off) {
+        for (const NodeId node : i_queue_) {
+            add_test(frame, node);
+        }
+    } else {
+        candidates_.clear();
+        for (const NodeId node : i_queue_) {
+            const auto order = static_cast<uint32_t>(candidates_.size());
+            candidates_.push_back({node.value, keep_probability(node), order});
+        }
+        batcher_.add_groups(candidates_, candidates_.size(), add_boxes(frame),
+                            [](const PendingQuery&) {});
     }
     i_queue_.clear();
-    const bool grouped = options_.multiqueries != ChcPlusPlusOptions::Multiqueries::off;
-    if (grouped) {
-        // Descending: the greedy choice of a group relies on it.
-        std::sort(candidates_.begin(), candidates_.end(),
-                  [](const Candidate& a, const Candidate& b) {
-                      return a.keep != b.keep ? a.keep > b.keep : a.order < b.order;
-                  });
-    }
-
-    keep_.clear();
-    const auto first_node = static_cast<uint32_t>(queried_nodes_.size());
-    for (const Candidate& candidate : candidates_) {
-        keep_.push_back(candidate.keep);
-        queried_nodes_.push_back(candidate.node);
-    }
-    for (size_t done = 0; done < keep_.size();) {
-        const size_t size =
-            grouped ? best_multiquery_size(std::span<const double>{keep_}.subspan(done)) : 1;
-        add_test(frame, first_node + static_cast<uint32_t>(done), static_cast<uint32_t>(size));
-        done += size;
-    }
     submit(frame);
 }
 
@@ -162,13 +154,12 @@ void ChcPlusPlus::issue_visible(CullFrame& frame, size_t count)
         return;
     }
     for (size_t i = 0; i < count; ++i) {
-        add_node_test(frame, v_queue_.pop());
+        add_test(frame, v_queue_.pop());
     }
     submit(frame);
 }
 
-// --- handling results
-// --------------------------------------------------------------------------------
+// --- handling results ----------------------------------------------------------------------------
 
 void ChcPlusPlus::handle_node(CullFrame& frame, NodeId node, bool visible, Decision if_hidden)
 {
@@ -198,16 +189,15 @@ void ChcPlusPlus::handle_returned_query(CullFrame& frame, const PendingQuery& qu
 {
     const bool visible = is_visible(answer, options_.threshold);
     if (visible && query.count > 1) {
-        ++frame.counters().multiqueries_failed;
-        for (uint32_t i = 0; i < query.count; ++i) {
-            add_test(frame, query.first + i, 1);
-        }
+        batcher_.split(frame, query, [&](const PendingQuery& node_alone) {
+            batcher_.add_part(node_alone, add_boxes(frame));
+        });
         submit(frame);
         return;
     }
     const Decision if_hidden = query.count > 1 ? Decision::hidden_group : Decision::hidden;
-    for (uint32_t i = 0; i < query.count; ++i) {
-        handle_node(frame, queried_nodes_[query.first + i], visible, if_hidden);
+    for (const uint32_t member : batcher_.members(query)) {
+        handle_node(frame, NodeId{member}, visible, if_hidden);
     }
 }
 
@@ -231,8 +221,7 @@ void ChcPlusPlus::handle_results(CullFrame& frame)
     }
 }
 
-// --- the main loop
-// -----------------------------------------------------------------------------------
+// --- the main loop -------------------------------------------------------------------------------
 
 void ChcPlusPlus::visit_node(CullFrame& frame, DistanceQueue::Entry entry)
 {
@@ -253,13 +242,10 @@ void ChcPlusPlus::visit_node(CullFrame& frame, DistanceQueue::Entry entry)
         state.next_test = first_test_after(frame.stamp(), node);
         traverse_node(frame, node, Decision::drawn_near);
     } else if (!state.was_visible) {
-        i_queue_.push_back(node); // QueryPreviouslyInvisibleNode
-        if (i_queue_.size() >= options_.batch_size) {
-            issue_multiqueries(frame);
-        }
+        query_previously_invisible_node(frame, node);
     } else if (!is_leaf(node)) {
         traverse_node(frame, node, Decision::drawn);
-    } else if (frame.stamp() < state.next_test) { // not QueryReasonable
+    } else if (!query_reasonable(frame, node)) {
         pull_up_visibility(node);
         traverse_node(frame, node, Decision::drawn);
     } else {
@@ -271,10 +257,15 @@ void ChcPlusPlus::visit_node(CullFrame& frame, DistanceQueue::Entry entry)
     }
 }
 
+bool ChcPlusPlus::query_reasonable(const CullFrame& frame, NodeId node) const
+{
+    return frame.stamp() >= states_[node.value].next_test;
+}
+
 void ChcPlusPlus::cull_frame(CullFrame& frame)
 {
     states_.resize(hierarchy().nodes().size());
-    queried_nodes_.clear();
+    batcher_.clear();
     if (options_.depth_only_pass) {
         frame.use_depth_only_pass();
     }

@@ -1,34 +1,32 @@
 // CHC++: coherent hierarchical culling with batched queries, for engines that sort by state.
 //
 // Implements  O. Mattausch, J. Bittner, M. Wimmer, "CHC++: Coherent Hierarchical Culling
-// Revisited",
-//             Computer Graphics Forum 27(2), 2008; as in Bittner, Mattausch, Wimmer,
+//             Revisited", Computer Graphics Forum 27(2), 2008; as in Bittner, Mattausch, Wimmer,
 //             "Game-Engine-Friendly Occlusion Culling", ShaderX7 8.4.
-// Map         Listing 8.4.2 main loop        -> ChcPlusPlus::cull_frame
-//             IssueMultiQueries,
-//             QueryPreviouslyInvisibleNode   -> issue_multiqueries, visit_node
-//             GetNextMultiQuery              -> best_multiquery_size
-//             IssueQuery                     -> add_test, submit
-//             HandleReturnedQuery            -> handle_returned_query
-//             QueryReasonable, Figure 8.4.4  -> next_test, first_test_after
-//             Tighter bounding volumes       -> TightBounds::collect
-//             Render queue                   -> CullFrame::draw_leaf / flush_draws
-//             Depth-only pass                -> Options::depth_only_pass
-// Deviations  The head of the listing is lost in the printed text; it is rebuilt from the prose:
-// the
-//             result loop breaks out while nodes remain to be traversed, else the algorithm would
-//             be stop-and-wait per batch. Nodes of a failed multiquery are tested one by one at
-//             once: put back into the i-queue, they could form the same group again. The results of
-//             the v-queue are read before the frame ends: read later, the whole visible tree would
-//             be classified as hidden. Random numbers are hashes of (seed, node, frame), so that
-//             runs repeat. As in chc.h: R1, R8, R9.
+// Map         Listing 8.4.2 main loop      -> ChcPlusPlus::cull_frame
+//             HandleReturnedQuery          -> handle_returned_query
+//             TraverseNode                 -> traverse_node
+//             PullUpVisibility             -> pull_up_visibility
+//             QueryPreviouslyInvisibleNode -> query_previously_invisible_node
+//             QueryReasonable, Fig. 8.4.4  -> query_reasonable, first_test_after
+//             IssueMultiQueries            -> issue_multiqueries
+//             GetNextMultiQuery            -> MultiqueryBatcher::add_groups (multiquery.h)
+//             IssueQuery                   -> submit
+//             Tighter bounding volumes     -> TightBounds::collect
+//             Render queue                 -> CullFrame::draw_leaf, flush_draws
+//             Depth-only pass              -> Options::depth_only_pass
+// Deviations  The head of the listing is lost in the printed text and is rebuilt from the prose.
+//             The result loop breaks out while nodes remain to be traversed; otherwise the
+//             algorithm would be stop-and-wait per batch. Nodes of a failed multiquery are tested
+//             one by one at once: back in the i-queue, they could form the same group again. The
+//             results of the v-queue are read before the frame ends: read later, the whole visible
+//             tree would be classified as hidden. Random numbers are hashes of (seed, node, frame),
+//             so that runs repeat. As in chc.h: rules R1, R8, R9.
 // Guarantees  exact with threshold 0, with every combination of the switches. After a frame all
-// queues
-//             are empty, and a leaf in the frustum is drawn, or covered by a test of this frame
-//             that found nothing.
-// Cost        see docs/algorithms/chc_plus_plus.md; typically one test per ten visible leaves and
-// one
-//             per five to fifty hidden nodes, and tens of state changes per frame.
+//             queues are empty (I2), and a leaf in the frustum is drawn, or covered by a test of
+//             this frame that found nothing (I1). Rules and invariants: docs/conventions.md.
+// Cost        typically one test per ten visible leaves and one per five to fifty hidden nodes, and
+//             tens of state changes per frame.
 #pragma once
 
 #include <occlude/cull/culler.h>
@@ -36,6 +34,7 @@
 #include <occlude/cull/parts/cull_frame.h>
 #include <occlude/cull/parts/distance_queue.h>
 #include <occlude/cull/parts/fifo.h>
+#include <occlude/cull/parts/multiquery.h>
 #include <occlude/cull/parts/tight_bounds.h>
 
 #include <array>
@@ -104,11 +103,7 @@ private:
         bool visible = false;
         bool was_visible = false;
     };
-    struct PendingQuery {
-        Ticket ticket;
-        uint32_t first = 0; ///< into queried_nodes_
-        uint32_t count = 0;
-    };
+    using PendingQuery = MultiqueryBatcher::Test;
 
     void cull_frame(CullFrame& frame) override;
     void reset_state() override;
@@ -116,6 +111,7 @@ private:
 
     bool is_leaf(NodeId node) const;
     void visit_node(CullFrame& frame, DistanceQueue::Entry entry);
+    bool query_reasonable(const CullFrame& frame, NodeId node) const;
     void traverse_node(CullFrame& frame, NodeId node, Decision decision);
     void pull_up_visibility(NodeId node);
     uint32_t first_test_after(uint32_t stamp, NodeId node) const;
@@ -124,10 +120,12 @@ private:
     void handle_returned_query(CullFrame& frame, const PendingQuery& query, const Answer& answer);
     void handle_node(CullFrame& frame, NodeId node, bool visible, Decision if_hidden);
 
+    void query_previously_invisible_node(CullFrame& frame, NodeId node);
     void issue_multiqueries(CullFrame& frame);
     void issue_visible(CullFrame& frame, size_t count);
-    void add_node_test(CullFrame& frame, NodeId node);
-    void add_test(CullFrame& frame, uint32_t first, uint32_t count);
+    double keep_probability(NodeId node) const;
+    auto add_boxes(CullFrame& frame);
+    void add_test(CullFrame& frame, NodeId node);
     void submit(CullFrame& frame);
 
     ChcPlusPlusOptions options_;
@@ -139,18 +137,8 @@ private:
     std::vector<NodeId> i_queue_; ///< previously invisible nodes to be tested
     Fifo<NodeId> v_queue_;        ///< previously visible leaves to be tested
 
-    std::vector<NodeId> queried_nodes_;   ///< the nodes of all tests of this frame, test by test
-    TestBatch batch_;                     ///< tests collected for the next submit() ...
-    std::vector<PendingQuery> collected_; ///< ... and what they are of
-
-    struct Candidate {
-        double keep;
-        uint32_t order;
-        NodeId node;
-    };
-    std::vector<Candidate> candidates_;
-    std::vector<double> keep_;
-    std::vector<Ticket> tickets_;
+    MultiqueryBatcher batcher_; ///< its members are node ids
+    std::vector<MultiqueryBatcher::Candidate> candidates_;
     TightBounds tight_bounds_;
 };
 

@@ -1,4 +1,5 @@
-// The lazy occlusion grid: boxes against the farthest depth of screen cells, updated only if asked.
+// The lazy occlusion grid: boxes against the farthest depth of screen cells. A cell is updated only
+// when a test needs it.
 //
 // Implements  H. Hey, R. F. Tobler, W. Purgathofer, "Real-Time Occlusion Culling with a Lazy
 //             Occlusion Grid", Eurographics Workshop on Rendering 2001.
@@ -6,33 +7,36 @@
 //             Fig. 2 and 3 isOccluded               -> LazyGrid::is_occluded
 //               internalCellIsFreeWithoutPixelquery -> internal_cell_is_free_without_pixel_query
 //               borderCellIsFreeWithoutPixelquery   -> border_cell_is_free_without_pixel_query
-//               internalCellIsFreeWithPixelquery,
-//               borderCellIsFreeWithPixelquery      -> any_cell_is_free_with_pixel_query
-//             Fig. 4 (one list), Fig. 6 (two lists) -> cull_frame
-//             sec. 5 hardware queries               -> any_query_passes
-//             sec. 6 extensions                     -> free_below_covered, whole_cell_share,
-//                                                      internal_above_pixels
+//               internalCellIsFreeWithPixelquery    -> internal_cell_is_free_with_pixel_query
+//               borderCellIsFreeWithPixelquery      -> border_cell_is_free_with_pixel_query
+//             Fig. 4 (one list), Fig. 6 (two lists) -> LazyGrid::cull_frame
+//             sec. 5 hardware support               -> ReadBackPixels, QueriedPixels
+//                                                      (cell_pixels.h)
+//             sec. 6 extensions                     -> is_improbable, asks_whole_cell,
+//                                                      internal_cells
 //             sec. 7 busy update                    -> update_busily
 // Deviations  One isOccluded serves both variants: the occlusion buffer is the z-buffer asked about
-//             depth zmax = 1. Fig. 3 calls a border cell free if its zfar is zmax: wrong for cells
-//             that were drawn into since (corrected in kind), and needlessly visible for cells that
-//             are partly sky; here only a cell that nothing was drawn into is free unasked, as in
-//             Fig. 2. Sec. 5 tests the bounding volume in a cell and then stores its znear, which
-//             can be too near; here the part of the box's rectangle in the cell is tested at depth
-//             znear itself. A cell that a query found free remembers at which depth. Boxes that the
-//             near plane may touch are visible (rule R1). Both traversals test the frustum when a
-//             box enters the list (Fig. 6), not when it leaves it (Fig. 4). Tests that need pixels
-//             are made several at a time (tests_at_once; 1 is the paper). With bounds=faces the box
-//             of what would be drawn is compared as what it is, not as its rectangle at its nearest
-//             depth. Sec. 6 adds the areas of primitives up; here the rectangles of drawn boxes.
+//             depth zmax = 1. Fig. 3 calls a border cell free if its zfar is zmax. That is wrong
+//             for a cell that was drawn into since, and needlessly visible for a cell that is
+//             partly sky; here, as in Fig. 2, only a cell that nothing was drawn into is free
+//             unasked. A cell that a query found free remembers at which depth. Boxes that the near
+//             plane may touch are visible (rule R1). Both traversals test the frustum when a box
+//             enters the list (Fig. 6), not when it leaves it (Fig. 4). Tests that need pixels are
+//             made several at a time (tests_at_once; 1 is the paper). With bounds=faces the box of
+//             a node with items is compared as a box, not as its rectangle at its nearest depth.
+//             Sec. 6 adds up the areas of primitives; here the rectangles of drawn boxes. With the
+//             occlusion buffer and items that are drawn out of turn (never_cull), boxes are
+//             compared with depth: a covered pixel proves nothing then.
 // Guarantees  exact, with every option: a box is hidden only if, in this frame, all pixels of its
 //             screen rectangle were seen to be nearer than its nearest depth, or than the box at
-//             that pixel. Needs no history, so camera cuts and moving objects cost nothing extra.
+//             that pixel. Keeps nothing between frames: camera cuts and moving objects cost nothing
+//             extra.
 // Cost        needs depth in the same frame: each change from drawing to looking waits for the
 //             device to finish. A cell asked costs the reading of at most cell_size^2 pixels.
 #pragma once
 
 #include <occlude/cull/culler.h>
+#include <occlude/cull/parts/cell_pixels.h>
 #include <occlude/cull/parts/cull_frame.h>
 #include <occlude/cull/parts/occlusion_grid.h>
 #include <occlude/screen/projection.h>
@@ -62,16 +66,12 @@ struct LazyGridOptions {
     };
     enum class Source : uint8_t {
         depth,   ///< pixels are read back: QueryDevice::read_depth, hardware or software buffer
-        queries, ///< occlusion queries of cell-clipped rectangles; z_buffer is then always lazy
+        queries, ///< occlusion queries of rectangles in a cell; z_buffer is then always lazy
     };
-    enum class Join : uint8_t {
-        cell,   ///< one read-back or query batch for each cell asked, as in the paper
-        rows,   ///< all cells that a test may ask at once: rows of cells, or one batch of queries
-        target, ///< as rows, but a read-back takes the whole target
-    };
+    using Join = CellPixels::Join; ///< what one look at pixels takes
     enum class Bounds : uint8_t {
         rectangle, ///< a box is its rectangle of pixels at its nearest depth, as in the paper
-        faces,     ///< so is that of an inner node; one of items is what is between its faces
+        faces,     ///< the box of a node with items is the space between its faces
     };
 
     Variant variant = Variant::z_buffer;
@@ -80,19 +80,20 @@ struct LazyGridOptions {
     Source source = Source::depth;
     Join join = Join::cell;
     Bounds bounds = Bounds::rectangle;
-    /// Side of a cell in pixels; 0 counts as 1.
+    /// Side of a cell in pixels.
     uint32_t cell_size = 32;
-    /// Tests that need pixels wait until this many do, and are then made against the same depth:
-    /// fewer changes from drawing to looking, and hidden boxes just behind each other are found
-    /// less often. 1: each test at once, as in the paper.
+    /// A test that needs pixels waits until this many do. All of them then look at the same depth:
+    /// that saves changes from drawing to looking, and finds fewer boxes hidden that lie just
+    /// behind each other. 1: each test at once, as in the paper.
     uint32_t tests_at_once = 32;
-    /// A cell that must be asked counts as free, unasked, while the rectangles of the boxes drawn
-    /// into it add up to less than this share of its area. 0: off.
+    /// Section 6: a cell that must be asked counts as free, unasked, while the rectangles of the
+    /// boxes drawn into it add up to less than this share of its area. 0: off.
     double free_below_covered = 0.0;
-    /// A border cell of which the box covers at least this share is asked as a whole first, so that
-    /// the answer can be kept. 0: off.
+    /// Section 6: a border cell of which the box covers at least this share is asked as a whole, so
+    /// that the answer can be kept. 0: off.
     double whole_cell_share = 0.0;
-    /// A box whose rectangle has at least this many pixels has only internal cells. 0: off.
+    /// Section 6: a box whose rectangle has at least this many pixels has only internal cells. 0:
+    /// off.
     uint64_t internal_above_pixels = 0;
 };
 
@@ -100,86 +101,69 @@ class LazyGrid final : public Culler {
 public:
     explicit LazyGrid(const Hierarchy& hierarchy, LazyGridOptions options = {});
 
-    /// What the grid knew at the end of the last frame.
+    /// The cells as the last frame left them.
     const OcclusionGrid& grid() const { return grid_; }
 
 private:
-    struct Entry {
+    /// A bounding volume in a list.
+    struct Volume {
         ScreenBounds bounds;
         NodeId node;
         PlaneMask mask;
     };
     enum class Verdict : uint8_t { occluded, visible, needs_pixels };
-    /// A cell that must be asked, and the part of it that the box covers.
-    struct AskedCell {
-        glm::ivec2 cell;
-        PixelRect part;
-    };
-    /// A test in `batch_`.
-    struct RectangleTest {
-        glm::ivec2 cell;
-        bool whole; ///< it covers all pixels of the cell
-        bool part;  ///< it covers the asked part and no more
-    };
 
     void cull_frame(CullFrame& frame) override;
-    void reset_state() override {}
+    void reset_state() override {} // each frame starts with empty lists
 
-    // --- the traversal ---
-    bool has_items(NodeId node) const ///< that are drawn where its box is seen
+    // --- Figures 2 and 3 ---
+    bool is_occluded(CullFrame& frame, const Volume& volume);
+    Verdict verdict_of_states(const Volume& volume);
+    bool internal_cell_is_free_without_pixel_query(const Volume& volume);
+    bool border_cell_is_free_without_pixel_query(const Volume& volume);
+    bool internal_cell_is_free_with_pixel_query(CullFrame& frame, const Volume& volume);
+    bool border_cell_is_free_with_pixel_query(CullFrame& frame, const Volume& volume);
+    PixelQuestion question(const Volume& volume);
+    float depth_to_beat(const Volume& volume);
+    CellRange internal_cells(const Volume& volume) const;
+    bool is_improbable(const OcclusionGrid::Cell& cell) const;
+    void choose_faces(const Volume& volume);
+    const ScreenBox& faces();
+    bool faces_are_behind(const OcclusionGrid::Cell& cell, const PixelRect& part);
+    CellPixels& pixels();
+
+    // --- Figures 4 and 6 ---
+    void initialize(CullFrame& frame);
+    void insert_if_in_frustum(CullFrame& frame, NodeId node, PlaneMask mask);
+    static std::span<const Volume> frontmost(std::span<const Volume> heap);
+    bool draw_comes_before(std::span<const Volume> tests) const;
+    void test(CullFrame& frame, const Volume& volume);
+    void test_waiting(CullFrame& frame);
+    void handle(CullFrame& frame, const Volume& volume, Verdict verdict);
+    void draw(CullFrame& frame, const Volume& volume);
+    bool has_objects(NodeId node) const ///< as direct children: they are drawn if it is visible
     {
         return hierarchy().is_leaf(node) || hierarchy().node(node).own_items > 0;
     }
-    void insert(CullFrame& frame, NodeId node, PlaneMask mask);
-    bool draw_comes_before(std::span<const Entry> tests) const;
-    void test(CullFrame& frame, const Entry& entry);
-    void test_waiting(CullFrame& frame);
-    void handle(CullFrame& frame, const Entry& entry, Verdict verdict);
-    void draw(CullFrame& frame, const Entry& entry);
 
-    // --- the occlusion test ---
-    float depth_to_beat(const ScreenBounds& bounds) const;
-    bool faces_are_behind(const OcclusionGrid::Cell& cell, const PixelRect& part);
-    const ScreenBox& faces();
-    bool is_improbable(const OcclusionGrid::Cell& cell) const;
-    Verdict verdict_without_pixels(const Entry& entry);
-    bool is_occluded(CullFrame& frame, const Entry& entry);
-    bool internal_cell_is_free_without_pixel_query(const CellRange& internal, float depth);
-    bool border_cell_is_free_without_pixel_query(const CellRange& touched,
-                                                 const CellRange& internal, const PixelRect& rect,
-                                                 float depth);
-    bool any_cell_is_free_with_pixel_query(CullFrame& frame, NodeId subject,
-                                           std::span<const AskedCell> asked, float depth);
-    bool asks_whole_cell(const AskedCell& asked) const;
-
-    // --- looking at pixels: true if a pixel of any part is at `depth` or farther ---
-    bool any_pixel_passes(CullFrame& frame, NodeId subject, std::span<const AskedCell> asked,
-                          float depth);
-    bool any_pixel_is_as_far(CullFrame& frame, std::span<const AskedCell> asked, float depth);
-    bool any_query_passes(CullFrame& frame, NodeId subject, std::span<const AskedCell> asked,
-                          float depth);
-    bool add_rectangle(CullFrame& frame, NodeId subject, const PixelRect& rect, float depth,
-                       RectangleTest test);
-    bool copy_rows(CullFrame& frame, std::span<const AskedCell> asked);
-    const float* pixels_of(CullFrame& frame, const PixelRect& rect, size_t& stride);
-    void update_busily(CullFrame& frame, const Entry& entry);
+    // --- section 7 ---
+    void update_busily(CullFrame& frame, const Volume& drawn);
+    void update_states(CullFrame& frame, NodeId subject);
 
     LazyGridOptions options_;
+    ReadBackPixels read_back_;
+    QueriedPixels queries_;
     OcclusionGrid grid_;
+    bool covered_hides_ = false;     ///< in this frame: the occlusion-buffer variant
     ScreenSpace screen_;             ///< with Bounds::faces
-    const Aabb* tested_ = nullptr;   ///< the same: the box that is tested, ...
+    const Aabb* tested_ = nullptr;   ///< with Bounds::faces: the box that is tested, ...
     std::optional<ScreenBox> faces_; ///< ... and its faces, once they were needed
-    std::vector<Entry> test_list_;   ///< a heap by nearest depth
-    std::vector<Entry> draw_list_;   ///< a heap by farthest depth
-    std::vector<Entry> waiting_;     ///< tests that need pixels
+    std::vector<Volume> test_list_;  ///< a heap by znear
+    std::vector<Volume> draw_list_;  ///< a heap by zfar
+    std::vector<Volume> waiting_;    ///< tests that need pixels
     std::vector<Verdict> verdicts_;
     std::vector<AskedCell> internal_; ///< internalPixelqueryList
     std::vector<AskedCell> border_;   ///< borderPixelqueryList
-    std::vector<float> pixels_;       ///< copy of the target's depth, or of one cell
-    TestBatch batch_;
-    std::vector<RectangleTest> rectangles_; ///< of the tests in `batch_`
-    std::vector<glm::mat4> maps_;           ///< ... from the unit square to the world
-    std::vector<Ticket> tickets_;
 };
 
 constexpr std::array<std::string_view, 2> option_names(LazyGridOptions::Variant)
@@ -198,7 +182,7 @@ constexpr std::array<std::string_view, 2> option_names(LazyGridOptions::Source)
 {
     return {"depth", "queries"};
 }
-constexpr std::array<std::string_view, 3> option_names(LazyGridOptions::Join)
+constexpr std::array<std::string_view, 3> option_names(CellPixels::Join)
 {
     return {"cell", "rows", "target"};
 }
@@ -209,21 +193,21 @@ constexpr std::array<std::string_view, 2> option_names(LazyGridOptions::Bounds)
 template <class Visit>
 void visit_options(LazyGridOptions& o, Visit&& visit)
 {
-    visit("variant", o.variant, "what hides a box: nearer pixels, or pixels that are covered");
-    visit("update", o.update, "when cells are looked at: if a test needs them, or after each draw");
-    visit("traversal", o.traversal, "one list by nearest depth, or tests and draws apart");
+    visit("variant", o.variant, "what hides a box: nearer pixels, or covered pixels");
+    visit("update", o.update, "when a cell is looked at: if a test needs it, or after each draw");
+    visit("traversal", o.traversal, "one list by nearest depth, or one of tests and one of draws");
     visit("source", o.source, "how pixels are looked at: read back, or by occlusion queries");
     visit("join", o.join, "what one read-back or query batch takes");
-    visit("bounds", o.bounds, "what is compared with depth: the rectangle of a box, or its faces");
+    visit("bounds", o.bounds, "what is compared with depth: a box's rectangle, or its faces");
     visit("cell_size", o.cell_size, "side of a cell in pixels");
     visit("tests_at_once", o.tests_at_once,
-          "tests that need pixels are made this many at a time; 1: as in the paper");
+          "how many tests that need pixels wait for each other; 1: none, as in the paper");
     visit("free_below_covered", o.free_below_covered,
-          "cells covered less than this share by drawn boxes are free unasked; 0: off");
+          "a cell is free, unasked, while drawn boxes cover less than this share of it; 0: off");
     visit("whole_cell_share", o.whole_cell_share,
-          "border cells covered at least this share by the box are asked as a whole; 0: off");
+          "a border cell is asked as a whole if the box covers this share of it; 0: off");
     visit("internal_above_pixels", o.internal_above_pixels,
-          "boxes of at least this many pixels have only internal cells; 0: off");
+          "a box of at least this many pixels has only internal cells; 0: off");
 }
 
 } // namespace occlude

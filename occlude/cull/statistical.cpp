@@ -15,6 +15,15 @@ Guarantee Statistical::guarantee() const
                                    : Guarantee::approximate(options_.threshold);
 }
 
+void Statistical::reset_state()
+{
+    statistics_.clear();
+    queue_.clear();
+    query_queue_.clear();
+    batch_.clear();
+    batch_places_.clear();
+}
+
 double Statistical::pause(NodeId node, uint32_t visible_results) const
 {
     const double not_query_time =

@@ -118,7 +118,7 @@ private:
     };
 
     void cull_frame(CullFrame& frame) override;
-    void reset_state() override { statistics_.clear(); }
+    void reset_state() override;
     Guarantee guarantee() const override;
 
     void move_pointer(CullFrame& frame);

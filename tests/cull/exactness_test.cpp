@@ -504,6 +504,27 @@ TEST(Exactness, WithTranslucentAndOtherFlaggedItems)
     expect_exact({.algorithm = "chc_plus_plus", .options = depth_only, .flags = true});
 }
 
+// Items that are never culled are drawn before everything else, however far they are: a covered
+// pixel hides nothing then. `lazy_grid` used to say so all the same.
+TEST(Exactness, OfEveryVariantOfLazyGridWithFlaggedItems)
+{
+    for (const char* variant : {"z_buffer", "occlusion_buffer"}) {
+        for (const char* source : {"depth", "queries"}) {
+            for (const char* update : {"lazy", "busy"}) {
+                for (const char* tests : {"1", "32"}) {
+                    SCOPED_TRACE(std::string{variant} + " " + source + " " + update + " " + tests);
+                    expect_exact({.algorithm = "lazy_grid",
+                                  .options = {{"variant", variant},
+                                              {"source", source},
+                                              {"update", update},
+                                              {"tests_at_once", tests}},
+                                  .flags = true});
+                }
+            }
+        }
+    }
+}
+
 TEST(Exactness, ARebuiltHierarchyStartsAfresh)
 {
     BoxScene scene(test::random_boxes(300, 32, 24.0f, 7.0f));

@@ -161,8 +161,8 @@ TEST(LazyGrid, DrawingMakesCopiedRowsOutdated)
 {
     // Nothing hides anything: each drawn item makes the next test read again.
     const Outcome rows = run({.join = Join::rows, .tests_at_once = 1}, {});
-    EXPECT_EQ(rows.text, "draw 0\nread_depth 0 0 64x64\ndraw 1\nread_depth 0 0 64x64\n"
-                         "draw 2\nread_depth 0 0 64x64\ndraw 3\n");
+    EXPECT_EQ(rows.text, "draw 0\nread_depth 0 0 64x64\ndraw 1\nflush\nread_depth 0 0 64x64\n"
+                         "draw 2\nflush\nread_depth 0 0 64x64\ndraw 3\n");
 }
 
 TEST(LazyGrid, TestsThatWaitForEachOtherSeeTheSameDepth)
@@ -184,7 +184,7 @@ TEST(LazyGrid, QueriesTestRectanglesCellByCell)
     EXPECT_EQ(device.frame_text(0),
               "draw 0\n" + hidden_4 + hidden_4 + hidden_4 + hidden_4 +
                   "query [2]\nflush\nwait 2 -> 1000\n"
-                  "query [5]\nflush\nwait 5 -> 1000\ndraw 2\n" +
+                  "query [5]\nflush\nwait 5 -> 1000\ndraw 2\nflush\n" +
                   "query [6]\nflush\nwait 6 -> 0\n" + "query [6]\nflush\nwait 6 -> 0\n" +
                   "query [6]\nflush\nwait 6 -> 0\n" + "query [6]\nflush\nwait 6 -> 0\n");
     EXPECT_EQ(report.counters.cells_asked, 10u);

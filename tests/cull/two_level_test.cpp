@@ -275,8 +275,7 @@ TEST(TwoLevel, ANodeThatComesBackIntoTheFrustumIsTestedNotDrawnFromOldNews)
     EXPECT_EQ(device.frame_text(2), "query [0]\nflush\npoll 0 -> 0\n");
 }
 
-// --- two levels
-// --------------------------------------------------------------------------------------
+// --- two levels ----------------------------------------------------------------------------------
 
 /// A scene of objects that stand anywhere, turned and scaled. Object i has `parts` items; each is a
 /// pyramid or a box that fills its local box.

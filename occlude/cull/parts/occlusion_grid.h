@@ -1,11 +1,11 @@
 // The grid of the lazy occlusion grid: what is known of the pixels of each cell of the screen.
 //
-// Pure memory: it neither draws nor reads. LazyGrid (lazy_grid.h) asks it, looks at pixels where it
-// does not know, and tells it what it saw.
+// Pure memory: it neither draws nor reads. LazyGrid (lazy_grid.h) asks it; where it does not know,
+// CellPixels (cell_pixels.h) looks at pixels and tells it what it saw.
 //
-// A cell stores zfar, an upper bound of the farthest depth of its pixels, which can only fall while
-// things are drawn: "farther than zfar" stays true of a box for the rest of the frame. It also
-// stores up to which depth its farthest pixel is known to reach, which drawing makes unknown. The
+// A cell stores zfar, an upper bound of the depth of its pixels. Drawing only lowers depths, so a
+// box that is farther than zfar stays hidden in this cell for the rest of the frame. A cell also
+// stores known_free, a depth that some pixel is known to reach; drawing makes it unknown. The
 // states of the paper are
 //
 //   completely free   untouched: nothing was drawn into it
@@ -41,6 +41,12 @@ struct CellRange {
 /// The pixels that two rectangles share; size 0 (both) if none.
 PixelRect intersection(const PixelRect& a, const PixelRect& b);
 
+/// Precondition: the size is not negative.
+inline size_t pixel_count(const PixelRect& rect)
+{
+    return static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height);
+}
+
 class OcclusionGrid {
 public:
     static constexpr float kFarthest = 1.0f; ///< zmax: the depth of a pixel never drawn into
@@ -71,6 +77,7 @@ public:
     CellRange internal(const PixelRect& rect) const;
 
     /// Something with these screen bounds is drawn: the cells that it touches become outdated.
+    /// Precondition: `rect` lies in the target.
     void mark_drawn(const PixelRect& rect);
 
     /// The farthest of all pixels of the cell was found to be `zfar`.

@@ -1,0 +1,121 @@
+// Two ways of looking at the pixels of the cells of an occlusion grid, behind one interface: depth
+// that is read back, and occlusion queries of rectangles.
+//
+// Implements  Hey, Tobler, Purgathofer 2001, section 5. LazyGrid (lazy_grid.h) says which cells are
+//             asked; the answers change the grid's cells here.
+// Deviations  Section 5 queries the bounding volume itself in a cell and then stores its nearest
+//             depth, which can be too near. QueriedPixels tests the part of the volume's rectangle
+//             that lies in the cell, at that depth (world_from_rectangle()).
+#pragma once
+
+#include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/occlusion_grid.h>
+#include <occlude/screen/screen_box.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace occlude {
+
+/// A cell that must be asked, and the part of it that the tested volume covers.
+struct AskedCell {
+    glm::ivec2 cell{0};
+    PixelRect part;
+};
+
+/// Is some pixel of the part of some cell at `depth` or farther?
+struct PixelQuestion {
+    NodeId subject; ///< the node that is tested
+    float depth = 0.0f;
+    /// The faces of the volume, where it is not its rectangle: then a pixel counts only if the
+    /// volume could be seen there. Null: its rectangle. Only depth that is read back heeds it.
+    const ScreenBox* faces = nullptr;
+};
+
+class CellPixels {
+public:
+    /// What one look at the device takes.
+    enum class Join : uint8_t {
+        cell,   ///< one cell, as in the paper
+        rows,   ///< all cells of a question: whole rows of cells, or one batch of queries
+        target, ///< as rows, but a read-back takes the whole target
+    };
+
+    /// Section 6: a cell of which a part of at least `whole_cell_share` is asked is asked as a
+    /// whole, so that the grid can keep the answer. 0: never.
+    CellPixels(Join join, double whole_cell_share)
+        : join_(join)
+        , whole_cell_share_(whole_cell_share)
+    {
+    }
+    virtual ~CellPixels() = default;
+
+    /// Answers the question after all draws so far, and tells the cells of `grid` what it saw. Errs
+    /// toward true; so does a device that cannot answer.
+    bool any_pixel_is_free(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
+                           std::span<const AskedCell> cells);
+
+    /// The depth that asks whether a pixel was drawn into at all.
+    virtual float uncovered_depth() const = 0;
+    /// The depth that asks for the state of all cells, so that no pixel ends the question early.
+    virtual float state_depth() const = 0;
+
+protected:
+    Join join() const { return join_; }
+    bool asks_whole_cell(const OcclusionGrid& grid, const AskedCell& asked) const;
+
+private:
+    virtual bool look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
+                      std::span<const AskedCell> cells) = 0;
+
+    Join join_;
+    double whole_cell_share_;
+};
+
+/// Depth that is read back: QueryDevice::read_depth, from a hardware or a software buffer.
+class ReadBackPixels final : public CellPixels {
+public:
+    using CellPixels::CellPixels;
+
+    float uncovered_depth() const override { return OcclusionGrid::kFarthest; }
+    float state_depth() const override { return 2.0f; } // no pixel is as far
+
+private:
+    bool look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
+              std::span<const AskedCell> cells) override;
+    bool copy_rows(CullFrame& frame, OcclusionGrid& grid, std::span<const AskedCell> cells);
+    const float* pixels_of(CullFrame& frame, const PixelRect& rect, size_t& stride);
+
+    std::vector<float> pixels_; ///< copy of the target's depth, or of one cell
+};
+
+/// Occlusion queries of rectangles that face the camera: they need no depth from the device.
+class QueriedPixels final : public CellPixels {
+public:
+    using CellPixels::CellPixels;
+
+    float uncovered_depth() const override;
+    float state_depth() const override { return uncovered_depth(); }
+
+private:
+    /// A test in `batch_`.
+    struct RectangleTest {
+        glm::ivec2 cell;
+        bool whole; ///< it covers all pixels of the cell
+        bool part;  ///< it covers the asked part and no more
+    };
+
+    bool look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
+              std::span<const AskedCell> cells) override;
+    bool add_rectangle(const View& view, const PixelQuestion& question, const PixelRect& rect,
+                       RectangleTest test);
+    bool read_answers(CullFrame& frame, OcclusionGrid& grid, float depth);
+
+    TestBatch batch_;
+    std::vector<RectangleTest> rectangles_; ///< of the tests in `batch_`
+    std::vector<glm::mat4> maps_;           ///< ... from the unit square to the world
+    std::vector<Ticket> tickets_;
+};
+
+} // namespace occlude

@@ -1,0 +1,144 @@
+// Multiqueries: one test for several nodes that are likely to stay hidden together, and what
+// follows when one of them is visible after all.
+//
+// Implements  ShaderX7 8.4, "Multiqueries".
+// Map         GetNextMultiQuery -> add_groups (its value: chc_plus_plus_math.h)
+//             IssueQuery        -> add_test, submit
+//             failed multiquery -> split
+//
+//   candidates ── add_groups ──► groups ── submit ──► one batch on the device
+//   a group in which something is visible ── split ──► its halves, or its nodes one by one
+//
+// An algorithm calls a node by a number of its own, its *member*: a node id, or an index.
+#pragma once
+
+#include <occlude/cull/parts/chc_plus_plus_math.h>
+#include <occlude/cull/parts/cull_frame.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace occlude {
+
+class MultiqueryBatcher {
+public:
+    using Member = uint32_t;
+
+    /// A node that may share a test.
+    struct Candidate {
+        Member member = 0;
+        double keep = 0.0;  ///< p_keep: the probability that it stays hidden
+        uint32_t order = 0; ///< of equally probable ones, the smallest comes first
+    };
+    struct Test {
+        Ticket ticket;
+        uint32_t first = 0; ///< into the members of this frame
+        uint32_t count = 0;
+    };
+
+    /// A failed group of more than `most_singly` nodes is split into halves, a smaller one into its
+    /// nodes.
+    explicit MultiqueryBatcher(size_t most_singly = kNeverHalved)
+        : most_singly_(most_singly)
+    {
+    }
+
+    /// Forgets all tests; before each frame.
+    void clear();
+    /// True if no test was added since the last submit().
+    bool empty() const { return batch_.empty(); }
+
+    /// Adds one test. add_boxes(member, batch) adds the boxes of one member, at least one.
+    template <class AddBoxes>
+    Test add_test(std::span<const Member> members, AddBoxes&& add_boxes);
+
+    /// Adds a test of members that were in one before: what split() named.
+    template <class AddBoxes>
+    Test add_part(const Test& part, AddBoxes&& add_boxes);
+
+    /// Sorts `candidates` by falling p_keep, and adds a test for one group of them after the other,
+    /// greedily, but at most `most_tests`. Returns how many candidates have a test now: the first
+    /// ones. added(test) is told of each.
+    template <class AddBoxes, class Added>
+    size_t add_groups(std::span<Candidate> candidates, size_t most_tests, AddBoxes&& add_boxes,
+                      Added&& added);
+
+    /// Issues the tests added since the last call as one batch, and returns them in their order
+    /// with their tickets; valid until the next call.
+    std::span<const Test> submit(CullFrame& frame);
+
+    std::span<const Member> members(const Test& test) const
+    {
+        return std::span{members_}.subspan(test.first, test.count);
+    }
+
+    /// Something in a group is visible, which says nothing of its nodes: calls each(part) for the
+    /// tests that must follow. Precondition: it has more than one member.
+    template <class Each>
+    void split(CullFrame& frame, const Test& failed, Each&& each);
+
+private:
+    void sort_by_falling_keep(std::span<Candidate> candidates);
+
+    size_t most_singly_;
+    std::vector<Member> members_; ///< of all tests of this frame, test by test
+    TestBatch batch_;
+    std::vector<Test> added_;  ///< the tests of `batch_`
+    std::vector<Test> issued_; ///< those of the last submit()
+    std::vector<Ticket> tickets_;
+    std::vector<double> keep_;  ///< of the sorted candidates
+    std::vector<Member> group_; ///< scratch
+};
+
+template <class AddBoxes>
+MultiqueryBatcher::Test MultiqueryBatcher::add_test(std::span<const Member> members,
+                                                    AddBoxes&& add_boxes)
+{
+    const Test test{Ticket{}, static_cast<uint32_t>(members_.size()),
+                    static_cast<uint32_t>(members.size())};
+    members_.insert(members_.end(), members.begin(), members.end());
+    return add_part(test, add_boxes);
+}
+
+template <class AddBoxes>
+MultiqueryBatcher::Test MultiqueryBatcher::add_part(const Test& part, AddBoxes&& add_boxes)
+{
+    for (const Member member : members(part)) {
+        add_boxes(member, batch_);
+    }
+    batch_.end_test();
+    added_.push_back({Ticket{}, part.first, part.count});
+    return added_.back();
+}
+
+template <class AddBoxes, class Added>
+size_t MultiqueryBatcher::add_groups(std::span<Candidate> candidates, size_t most_tests,
+                                     AddBoxes&& add_boxes, Added&& added)
+{
+    sort_by_falling_keep(candidates);
+    size_t done = 0;
+    for (size_t test = 0; done < candidates.size() && test < most_tests; ++test) {
+        const size_t size = best_multiquery_size(std::span{keep_}.subspan(done), most_singly_);
+        group_.clear();
+        for (const Candidate& candidate : candidates.subspan(done, size)) {
+            group_.push_back(candidate.member);
+        }
+        added(add_test(group_, add_boxes));
+        done += size;
+    }
+    return done;
+}
+
+template <class Each>
+void MultiqueryBatcher::split(CullFrame& frame, const Test& failed, Each&& each)
+{
+    ++frame.counters().multiqueries_failed;
+    const auto most = static_cast<uint32_t>(failed_multiquery_part(failed.count, most_singly_));
+    for (uint32_t i = 0; i < failed.count; i += most) {
+        each(Test{Ticket{}, failed.first + i, std::min(most, failed.count - i)});
+    }
+}
+
+} // namespace occlude
