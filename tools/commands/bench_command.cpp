@@ -30,6 +30,7 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
     if (!views) {
         return views.error();
     }
+    streams.out << load_summary((*session)->model());
     const Stage stage = (*session)->stage();
     const auto contenders = contenders_of(**session, options, References::always);
     if (!contenders) {
@@ -71,7 +72,7 @@ Result<int> bench_command(const CompareOptions& options, const Streams& streams)
         return files.error();
     }
     std::vector<BenchDocument> documents;
-    bool kept = true;
+    int code = kDone;
     for (const std::string& scene : options.scenes) {
         auto document = bench_scene(scene, options, streams);
         if (!document) {
@@ -79,13 +80,14 @@ Result<int> bench_command(const CompareOptions& options, const Streams& streams)
         }
         streams.out << bench_table(*document) << std::endl;
         print_differences(document->runs, streams.out);
-        kept = kept && promises_kept(document->runs);
+        code = worse(code, promises_kept(document->runs) ? kDone : kDiffers);
+        code = worse(code, judge_evidence(*document, false, options.stage.strict, streams.out));
         documents.push_back(std::move(*document));
     }
     if (const auto written = files->write(documents); !written) {
         return written.error();
     }
-    return kept ? kDone : kDiffers;
+    return code;
 }
 
 } // namespace occlude::tools

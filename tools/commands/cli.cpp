@@ -20,7 +20,9 @@ constexpr uint64_t kMaxFrames = 1000000;
 constexpr uint64_t kMaxRepeats = 10000;
 constexpr uint64_t kMaxSamples = 64;
 constexpr uint64_t kMaxTriangles = 0xffffffff;
-constexpr std::array kCommands = {"bench", "verify", "render", "info", "list", "generate"};
+constexpr const char* kFileGroup = "Scenes that are files"; // of options
+constexpr std::array kCommands = {"bench", "verify",   "render", "info",
+                                  "list",  "generate", "convert"};
 
 // Options that need more than CLI11's own conversions arrive as text first.
 struct RawStage {
@@ -55,6 +57,32 @@ CLI::Validator whole_number(uint64_t low, uint64_t high)
                        : fmt::format("'{}' is not a whole number from {} to {}", text, low, high);
         },
         ""};
+}
+
+void add_file_options(CLI::App& app, FileOptions& file)
+{
+    constexpr uint64_t kMaxSeconds = 1000000;
+    constexpr uint64_t kMaxMebibytes = uint64_t{1} << 24;
+    const std::string group = kFileGroup;
+    app.add_option("--origin", file.origin,
+                   "X,Y,Z: the point of the file that becomes (0, 0, 0) (default: moved only where "
+                   "single precision would bend it)")
+        ->group(group);
+    app.add_option("--unit", file.unit,
+                   "m, cm, mm, in, ft, or how many units make a metre (default: as the file or its "
+                   "format says, else guessed)")
+        ->group(group);
+    app.add_option("--up", file.up, "x, y, z, or -x, -y, -z (default: as for --unit)")
+        ->group(group);
+    app.add_option("--load-seconds", file.load_seconds,
+                   "How long Assimp may read a file before it is stopped")
+        ->capture_default_str()
+        ->check(whole_number(1, kMaxSeconds))
+        ->group(group);
+    app.add_option("--load-memory", file.load_memory_mib,
+                   "MiB that reading a file may take (default: half of the machine's)")
+        ->check(whole_number(1, kMaxMebibytes))
+        ->group(group);
 }
 
 // `several`: whether --hierarchy takes more than one.
@@ -96,6 +124,11 @@ void add_stage_options(CLI::App& app, RawStage& raw, bool several)
     app.add_option("--cache", raw.cache_folder,
                    "Where exactly split meshes are kept (default: occlude in the user's cache)")
         ->type_name("DIR");
+    add_file_options(app, stage.file);
+    app.add_flag("--strict", stage.strict,
+                 "Refuse files of which something is left out; coincident surfaces count as "
+                 "differences")
+        ->group(kFileGroup);
 }
 
 void add_frames_option(CLI::App& app, StageOptions& stage)
@@ -159,9 +192,10 @@ void check_suite_or_scenes(const CLI::App& bench, bool suite)
     const std::initializer_list<const char*> of_suites = {"--scale", "--only", "--add", "--from",
                                                           "--report"};
     const std::initializer_list<const char*> of_scenes = {
-        "scenes",           "--algorithms", "--hierarchy", "--test",   "--path",
-        "--size",           "--msaa",       "--set",       "--frames", "--leaf-triangles",
-        "--item-triangles", "--split",      "--repeat",    "--verify"};
+        "scenes",           "--algorithms", "--hierarchy", "--test",         "--path",
+        "--size",           "--msaa",       "--set",       "--frames",       "--leaf-triangles",
+        "--item-triangles", "--split",      "--repeat",    "--verify",       "--origin",
+        "--unit",           "--up",         "--strict",    "--load-seconds", "--load-memory"};
     for (const char* option : suite ? of_scenes : of_suites) {
         if (bench.count(option) > 0) {
             throw CLI::ValidationError{
@@ -223,10 +257,13 @@ public:
         add_suite_options(*bench_, suite_);
         verify_ = app_.add_subcommand(
             "verify", "Compare every culled frame with the frustum-only image; exit code 1 if an "
-                      "exact algorithm differs. Walks the paths auto and teleport unless --path "
+                      "exact algorithm differs, 3 if nothing was in view or nothing hidden. Walks "
+                      "the paths auto and teleport unless --path "
                       "names one");
         add_compare_options(*verify_, compare_stage_, compare_);
         verify_->get_option("scenes")->required();
+        verify_->add_flag("--nothing-hidden-is-fine", compare_.nothing_hidden_is_fine,
+                          "Exit with 0 though nothing is hidden in any frame");
         render_ = app_.add_subcommand("render", "Draw culled frames as PNG");
         add_render_options(*render_, render_stage_, render_options_);
         info_ = app_.add_subcommand("info",
@@ -248,6 +285,13 @@ public:
             ->required()
             ->type_name("KIND[:KEY=VALUE,...]");
         generate_->add_option("--out", generate_options_.out, "FILE.glb")->required();
+        convert_ = app_.add_subcommand(
+            "convert", "Write the scene of a file as GLB: in metres, +y up, and fast to load");
+        convert_->add_option("scene", convert_options_.scene, "A file")
+            ->required()
+            ->type_name("FILE");
+        convert_->add_option("--out", convert_options_.out, "FILE.glb")->required();
+        add_file_options(*convert_, convert_options_.file);
     }
 
     CLI::App& app() { return app_; }
@@ -276,6 +320,9 @@ public:
             info_options_.stage = finish_stage(info_stage_, *info_);
             return info_command(info_options_, streams);
         }
+        if (convert_->parsed()) {
+            return convert_command(convert_options_, streams);
+        }
         if (generate_->parsed()) {
             return generate_command(generate_options_, streams);
         }
@@ -302,6 +349,7 @@ private:
     CLI::App* info_ = nullptr;
     CLI::App* list_ = nullptr;
     CLI::App* generate_ = nullptr;
+    CLI::App* convert_ = nullptr;
     RawStage compare_stage_;
     RawStage render_stage_;
     RawStage info_stage_;
@@ -311,6 +359,7 @@ private:
     InfoOptions info_options_;
     ListOptions list_options_;
     GenerateOptions generate_options_;
+    ConvertOptions convert_options_;
 };
 
 // The command the user named, if there is such a one; for "see 'occlude X --help'".

@@ -10,8 +10,9 @@
 
 namespace occlude::tools {
 
-/// 0: done. 1: an exact algorithm's image differs. 2: the command could not be carried out.
-enum ExitCode : int { kDone = 0, kDiffers = 1, kFailed = 2 };
+/// 0: done. 1: an exact algorithm's image differs. 2: the command could not be carried out. 3: it
+/// was, but its frames prove nothing: they are empty, or nothing is hidden in any.
+enum ExitCode : int { kDone = 0, kDiffers = 1, kFailed = 2, kNothingProven = 3 };
 
 struct Streams {
     std::ostream& out;
@@ -25,6 +26,7 @@ Result<int> verify_command(const CompareOptions& options, const Streams& streams
 Result<int> render_command(const RenderOptions& options, const Streams& streams);
 Result<int> info_command(const InfoOptions& options, const Streams& streams);
 Result<int> generate_command(const GenerateOptions& options, const Streams& streams);
+Result<int> convert_command(const ConvertOptions& options, const Streams& streams);
 Result<int> list_command(const ListOptions& options, const Streams& streams);
 
 } // namespace occlude::tools

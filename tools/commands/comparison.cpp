@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ostream>
 
 namespace occlude::tools {
@@ -67,6 +68,8 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
             .objects = session.model().instances.size(),
             .items = session.scene().items.size(),
             .triangles = drawn_triangles(session.model()),
+            .load_notes = session.model().load_notes,
+            .load_losses = session.model().load_losses,
             .device = session.device_name(),
             .api = session.renderer().api(),
             .renderer = session.renderer().renderer_name(),
@@ -96,6 +99,56 @@ void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out)
             out << line << '\n';
         }
     }
+}
+
+static uint64_t most_tied_pixels(const BenchDocument& document)
+{
+    uint64_t most = 0;
+    for (const AlgorithmRun& run : document.runs) {
+        most = std::max(most, summarise(run).tied_pixels);
+    }
+    return most;
+}
+
+int judge_evidence(const BenchDocument& document, bool must_hide, bool strict, std::ostream& out)
+{
+    const Evidence evidence = evidence_of(document.runs);
+    int code = kDone;
+    if (evidence.frames > 0 && evidence.empty_frames == evidence.frames) {
+        out << fmt::format("Nothing is proven: nothing was in view in any of the {} frames of path "
+                           "{}. Choose another --path.\n\n",
+                           evidence.frames, document.path);
+        return kNothingProven;
+    }
+    if (evidence.empty_frames > 0) {
+        out << fmt::format("Nothing was in view in {} of the {} frames: they prove nothing.\n\n",
+                           evidence.empty_frames, evidence.frames);
+    }
+    if (evidence.hiding_frames == 0) {
+        out << fmt::format(
+            "Nothing was hidden in any of the {} frames of path {}: every item in the "
+            "frustum was drawn, so this says nothing about culling.{}\n\n",
+            evidence.frames, document.path,
+            must_hide ? " Choose another --path, or say --nothing-hidden-is-fine."
+                      : " Choose another --path or --algorithms.");
+        code = must_hide ? kNothingProven : kDone;
+    }
+    if (const uint64_t tied = most_tied_pixels(document); tied > 0) {
+        out << fmt::format(
+            "Coincident surfaces: {} pixels show one of two surfaces at the same depth, and which "
+            "one depends on the order of draws, with and without culling. Nothing was culled "
+            "wrongly there, but such pixels may flicker. Move one of the surfaces by a small "
+            "distance, or remove it.\n\n",
+            tied);
+        code = strict ? worse(code, kDiffers) : code;
+    }
+    return code;
+}
+
+int worse(int a, int b)
+{
+    // What differs is worse than what was not tried.
+    return a == kDone ? b : b == kDone ? a : std::min(a, b);
 }
 
 static Result<Pairing> choose_pairs(const CompareOptions& options, const DeviceCaps& caps,

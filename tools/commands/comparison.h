@@ -35,6 +35,15 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
 /// Prints what differed, if anything did.
 void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out);
 
+/// What the frames of a document prove, said on `out` where it is less than it seems: frames that
+/// show nothing, frames in which nothing is hidden, coincident surfaces. The exit code that
+/// follows: kNothingProven if all frames are empty, or, with `must_hide`, if no run hid anything in
+/// any; with `strict`, kDiffers for coincident surfaces; else kDone.
+int judge_evidence(const BenchDocument& document, bool must_hide, bool strict, std::ostream& out);
+
+/// Of two exit codes the one that a command should end with.
+int worse(int a, int b);
+
 /// The algorithms that were asked for on the trees of the session that were.
 Result<std::vector<Contender>> contenders_of(Session& session, const CompareOptions& options,
                                              References references);

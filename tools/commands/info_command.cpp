@@ -85,20 +85,31 @@ std::string objects_text(const SceneModel& model)
                                               grouped(static_cast<uint64_t>(passing)));
 }
 
+std::string triangles_text(const SceneModel& model)
+{
+    const uint64_t drawn = drawn_triangles(model);
+    return model.file_triangles <= drawn
+               ? grouped(drawn)
+               : fmt::format("{} of {} in the file", grouped(drawn), grouped(model.file_triangles));
+}
+
 std::string contents_text(Session& session)
 {
     const SceneModel& model = session.model();
     const Hierarchy& hierarchy = session.hierarchy();
     const Aabb bounds = world_bounds(model);
+    const glm::dvec3 low = glm::dvec3{bounds.min} + model.origin; // as in the file
+    const glm::dvec3 high = glm::dvec3{bounds.max} + model.origin;
+    const int digits = model.origin == glm::dvec3{0.0} ? 6 : 10;
     const TreeShape shape = tree_shape(hierarchy);
     const std::vector<std::vector<std::string>> rows = {
         {"objects", objects_text(model)},
         {"items", grouped(session.scene().items.size())},
-        {"triangles", grouped(drawn_triangles(model))},
+        {"triangles", triangles_text(model)},
         {"unique triangles", grouped(unique_triangles(model))},
         {"bounds",
-         fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g})", bounds.min.x,
-                     bounds.min.y, bounds.min.z, bounds.max.x, bounds.max.y, bounds.max.z)},
+         fmt::format("({:.{}g}, {:.{}g}, {:.{}g}) to ({:.{}g}, {:.{}g}, {:.{}g})", low.x, digits,
+                     low.y, digits, low.z, digits, high.x, digits, high.y, digits, high.z, digits)},
         {"hierarchy", fmt::format("{}, {} nodes, {} leaves, depth {}, SAH cost {:.1f}",
                                   session.options().hierarchy, grouped(hierarchy.nodes().size()),
                                   grouped(shape.leaves), shape.depth, sah_cost(hierarchy))},
@@ -108,7 +119,7 @@ std::string contents_text(Session& session)
     for (const auto& row : rows) {
         text += fmt::format("  {:<17} {}\n", row[0], row[1]);
     }
-    return text;
+    return text + load_summary(model);
 }
 
 Occlusion sample_occlusion(Session& session, std::span<const View> views, Progress& progress)

@@ -1,4 +1,5 @@
 #include "commands/picture.h"
+#include "model/focus.h"
 #include "walk/paths.h"
 
 #include <glm/geometric.hpp>
@@ -151,11 +152,12 @@ Camera overview_camera(const SceneModel& model, const Camera& path_camera, glm::
     constexpr float kFovY = 40.0f;   // degrees
     constexpr float kTilt = 0.6f;    // how far behind per unit of height
     constexpr float kMargin = 1.08f; // of the distance from which the bounds just fit
-    const Aabb bounds = world_bounds(model);
+    const Aabb bounds = find_focus(model).box;
     const glm::vec3 up = glm::normalize(model.up);
     glm::vec3 heading = path_camera.target - path_camera.eye;
     heading -= up * glm::dot(heading, up);
-    if (glm::length(heading) < 1e-6f) { // world units: the camera looks straight down
+    if (glm::length(heading) <
+        1e-6f * glm::distance(path_camera.target, path_camera.eye)) { // it looks straight down
         heading = std::abs(up.x) < 0.5f ? glm::vec3{1.0f, 0.0f, 0.0f} : glm::vec3{0.0f, 1.0f, 0.0f};
         heading -= up * glm::dot(heading, up);
     }

@@ -19,13 +19,15 @@ namespace occlude::tools {
 
 static constexpr std::string_view kTwoLevel = "two_level";
 
+// check_stage_options() has checked them.
 static SceneOptions scene_options(const StageOptions& options)
 {
-    SceneOptions scene{.item_triangles = options.item_triangles};
+    SceneOptions scene = *parse_file_options(options.file);
+    scene.item_triangles = options.item_triangles;
+    scene.cache_folder = options.cache_folder ? std::filesystem::path{*options.cache_folder}
+                                              : default_cache_folder();
     if (options.split == "exact") {
         scene.split = SceneOptions::Split::exact;
-        scene.cache_folder = options.cache_folder ? std::filesystem::path{*options.cache_folder}
-                                                  : default_cache_folder();
     }
     return scene;
 }
@@ -50,6 +52,9 @@ Result<bool> check_stage_options(const StageOptions& options)
     };
     if (const auto trees = choose_hierarchies(options.hierarchy, options.sets); !trees) {
         return trees.error();
+    }
+    if (const auto file = parse_file_options(options.file); !file) {
+        return file.error();
     }
     if (!test_method(options.test)) {
         return unknown("--test", options.test, "queries, raster or pyramid");
@@ -81,6 +86,23 @@ Result<bool> check_one_hierarchy(const StageOptions& options)
                                  options.hierarchy, hierarchy_names())};
     }
     return true;
+}
+
+std::string load_summary(const SceneModel& model)
+{
+    if (model.file_triangles == 0) {
+        return {};
+    }
+    std::string text;
+    for (const std::string& note : model.load_notes) {
+        text += fmt::format("  {:<17} {}\n", text.empty() ? "assumed" : "", note);
+    }
+    const char* heading = "left out";
+    for (const std::string& loss : model.load_losses) {
+        text += fmt::format("  {:<17} {}\n", heading, loss);
+        heading = "";
+    }
+    return text;
 }
 
 Session::Session(SceneModel model, const StageOptions& options,
@@ -233,6 +255,12 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
                      fmt::format("scene '{}' is empty: it holds no triangle; choose another file, "
                                  "or a scene of 'occlude list scenes'",
                                  scene)};
+    }
+    if (options.strict && !model->load_losses.empty()) {
+        return Error{ErrorCode::bad_data,
+                     fmt::format("{}: --strict: the file holds what cannot be drawn: {}; omit "
+                                 "--strict, or export it without",
+                                 scene, fmt::join(model->load_losses, "; "))};
     }
     if (options.path.ends_with(".json")) {
         const auto movers = read_movers(options.path, *model);

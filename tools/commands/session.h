@@ -78,6 +78,10 @@ private:
     Preparation preparation_;
 };
 
+/// What was assumed of a file and what was left out of it, one line each, indented; empty for
+/// generated scenes.
+std::string load_summary(const SceneModel& model);
+
 /// Errors for choices that this version does not have. Costs nothing: call it before loading.
 Result<bool> check_stage_options(const StageOptions& options);
 

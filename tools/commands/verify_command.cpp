@@ -77,12 +77,13 @@ Result<int> verify_command(const CompareOptions& options, const Streams& streams
                                                ? std::vector<std::string>{options.stage.path}
                                                : std::vector<std::string>{"auto", "teleport"};
     std::vector<BenchDocument> documents;
-    bool kept = true;
+    int code = kDone;
     for (const std::string& scene : options.scenes) {
         const auto session = Session::open(scene, options.stage, streams.err);
         if (!session) {
             return session.error();
         }
+        streams.out << load_summary((*session)->model());
         for (const std::string& path : paths) {
             auto document = verify_path(**session, options, path, streams);
             if (!document) {
@@ -90,14 +91,16 @@ Result<int> verify_command(const CompareOptions& options, const Streams& streams
             }
             streams.out << verify_table(*document) << std::endl;
             print_differences(document->runs, streams.out);
-            kept = kept && promises_kept(document->runs);
+            code = worse(code, promises_kept(document->runs) ? kDone : kDiffers);
+            code = worse(code, judge_evidence(*document, !options.nothing_hidden_is_fine,
+                                              options.stage.strict, streams.out));
             documents.push_back(std::move(*document));
         }
     }
     if (const auto written = files->write(documents); !written) {
         return written.error();
     }
-    return kept ? kDone : kDiffers;
+    return code;
 }
 
 } // namespace occlude::tools

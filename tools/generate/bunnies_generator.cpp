@@ -2,7 +2,7 @@
 
 #include "files/assets.h"
 #include "generate/moving_generators.h"
-#include "load/assimp_loader.h"
+#include "load/scene_loader.h"
 #include "model/mesh_tools.h"
 
 #include <fmt/format.h>
@@ -112,7 +112,7 @@ Result<SceneModel> generate_bunnies(const BunniesOptions& options,
     if (!file) {
         return file.error();
     }
-    auto bunny = load_with_assimp(file->string());
+    auto bunny = load_scene_file(file->string());
     if (!bunny) {
         return bunny.error();
     }

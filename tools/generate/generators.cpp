@@ -11,12 +11,14 @@
 #include "generate/scene_source.h"
 #include "generate/teapots_generator.h"
 #include "generate/vienna_generator.h"
-#include "load/assimp_loader.h"
+#include "load/scene_loader.h"
 #include "model/exact_split.h"
 #include "model/mesh_tools.h"
 #include "model/scene_options.h"
 
 #include <fmt/format.h>
+
+#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <functional>
@@ -258,7 +260,7 @@ Result<SceneModel> make_scene(const std::string& source, const SceneOptions& opt
             return generator.make(text, parameters, options);
         }
     }
-    return load_with_assimp(source, options);
+    return load_scene_file(source, options);
 }
 
 } // namespace
@@ -287,9 +289,8 @@ Result<SceneModel> load_scene(const std::string& source, const SceneOptions& opt
         }
     }
     if (model) {
-        for (Mesh& mesh : model->meshes) {
-            make_shapes(mesh);
-        }
+        oneapi::tbb::parallel_for(size_t{0}, model->meshes.size(),
+                                  [&](size_t i) { make_shapes(model->meshes[i]); });
     }
     return model;
 }

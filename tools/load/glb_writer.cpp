@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -71,9 +75,11 @@ private:
     {
         std::vector<glm::dvec4> sums(model_.meshes.size(), glm::dvec4{0.0});
         std::vector<double> counts(model_.meshes.size(), 0.0);
+        std::vector<bool> see_through(model_.meshes.size(), false);
         for (const Instance& instance : model_.instances) {
             sums[instance.mesh] += glm::dvec4{glm::vec4{instance.color, instance.opacity}};
             counts[instance.mesh] += 1.0;
+            see_through[instance.mesh] = see_through[instance.mesh] || instance.see_through;
         }
         for (size_t i = 0; i < sums.size(); ++i) {
             const glm::dvec4 mean =
@@ -84,7 +90,7 @@ private:
                              json::array({unit(mean.x), unit(mean.y), unit(mean.z), unit(mean.w)})},
                             {"metallicFactor", 0.0}}},
                           {"doubleSided", true}};
-            if (mean.w < 1.0) {
+            if (mean.w < 1.0 || see_through[i]) {
                 material["alphaMode"] = "BLEND";
             }
             root["materials"].push_back(std::move(material));
@@ -134,8 +140,41 @@ private:
             nodes.push_back(
                 {{"name", instance.name}, {"mesh", instance.mesh}, {"matrix", std::move(matrix)}});
         }
+        if (const std::optional<json> frame = frame_node(roots)) {
+            roots = json::array({nodes.size()});
+            nodes.push_back(*frame);
+        }
         root["nodes"] = std::move(nodes);
         root["scenes"] = json::array({{{"nodes", std::move(roots)}}});
+    }
+
+    /// A parent of all nodes that makes metres with +y up of the scene's own frame; none where it
+    /// is that already.
+    std::optional<json> frame_node(const json& children) const
+    {
+        const glm::vec3 y_up{0.0f, 1.0f, 0.0f};
+        if (model_.unit == 1.0f && model_.up == y_up && model_.origin == glm::dvec3{0.0}) {
+            return std::nullopt;
+        }
+        const glm::dquat turn = turn_to_y(glm::normalize(glm::dvec3{model_.up}));
+        const double metres = 1.0 / static_cast<double>(model_.unit);
+        const glm::dvec3 place = metres * (turn * model_.origin);
+        return json{{"name", "metres, y up"},
+                    {"children", children},
+                    {"translation", json::array({place.x, place.y, place.z})},
+                    {"rotation", json::array({turn.x, turn.y, turn.z, turn.w})},
+                    {"scale", json::array({metres, metres, metres})}};
+    }
+
+    static glm::dquat turn_to_y(const glm::dvec3& up)
+    {
+        const glm::dvec3 y_up{0.0, 1.0, 0.0};
+        const glm::dvec3 axis = glm::cross(up, y_up);
+        const double cosine = glm::dot(up, y_up);
+        if (glm::length(axis) < 1e-12) { // already so, or upside down
+            return cosine > 0.0 ? glm::dquat{1.0, 0.0, 0.0, 0.0} : glm::dquat{0.0, 1.0, 0.0, 0.0};
+        }
+        return glm::normalize(glm::dquat{1.0 + cosine, axis.x, axis.y, axis.z});
     }
 
     const SceneModel& model_;

@@ -11,8 +11,9 @@ namespace occlude::tools {
 
 /// The scene as the bytes of a .glb file: every mesh once, one node per instance, with its name and
 /// its exact matrix. A mesh gets one material in the mean colour of its instances, because glTF
-/// keeps colours with meshes and instancing matters more. Paths, motion, parts and units are not
-/// written. An error if the file would be larger than glTF allows (4 GiB).
+/// keeps colours with meshes and instancing matters more. Where the scene is not in metres, has
+/// another axis up or lies elsewhere, a node above all others makes it so. Paths, motion and parts
+/// are not written. An error if the file would be larger than glTF allows (4 GiB).
 Result<std::string> to_glb(const SceneModel& model);
 
 } // namespace occlude::tools

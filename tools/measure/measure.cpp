@@ -119,6 +119,7 @@ private:
         const View& view = views_[sampled_frames_[sample]];
         if (repeat == 0) {
             owners_[sample] = owners_in(sampled_frames_[sample]);
+            note_evidence(sample, view);
         }
         for (const auto& culler : cullers_) {
             record_answer(*culler, view, stage_.renderer.device(), owners_[sample]);
@@ -131,6 +132,18 @@ private:
             if (judged) {
                 judge(contender, sample, reference);
             }
+        }
+    }
+
+    void note_evidence(size_t sample, const View& view)
+    {
+        const std::vector<ItemId> items = items_in_frustum(view, stage_.item_bounds);
+        const bool any_blended = std::any_of(items.begin(), items.end(), [&](ItemId item) {
+            return has_flag(stage_.item_bounds[item.value].flags, ItemFlags::translucent);
+        });
+        for (AlgorithmRun& run : runs_) {
+            run.frames[sample].items_in_frustum = items.size();
+            run.frames[sample].shows_nothing = owners_[sample].empty() && !any_blended;
         }
     }
 

@@ -41,6 +41,26 @@ static std::vector<double> column(const AlgorithmRun& run, double FrameFigures::
     return values;
 }
 
+Evidence evidence_of(std::span<const AlgorithmRun> runs)
+{
+    Evidence evidence;
+    for (const AlgorithmRun& run : runs) {
+        evidence.frames = std::max(evidence.frames, run.frames.size());
+    }
+    for (size_t frame = 0; frame < evidence.frames; ++frame) {
+        bool empty = true;
+        bool hides = false;
+        for (const AlgorithmRun& run : runs) {
+            const FrameFigures& figures = run.frames[std::min(frame, run.frames.size() - 1)];
+            empty = empty && figures.shows_nothing;
+            hides = hides || figures.counters.items_drawn < figures.items_in_frustum;
+        }
+        evidence.empty_frames += empty ? 1 : 0;
+        evidence.hiding_frames += hides && !empty ? 1 : 0;
+    }
+    return evidence;
+}
+
 Summary summarise(const AlgorithmRun& run)
 {
     Summary summary;

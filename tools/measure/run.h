@@ -55,6 +55,8 @@ struct FrameFigures {
     uint64_t decision_hash = 0;
     FramePlan plan;                 ///< of algorithms that choose anew for each frame
     std::optional<Verdict> verdict; ///< empty: not compared
+    uint64_t items_in_frustum = 0;  ///< what frustum culling would draw
+    bool shows_nothing = false;     ///< no item owns a pixel of the image
 };
 
 struct AlgorithmRun {
@@ -74,6 +76,15 @@ std::string run_label(const AlgorithmRun& run, bool with_hierarchy);
 
 /// The weaker of two promises.
 Guarantee weaker(const Guarantee& a, const Guarantee& b);
+
+/// What frames are evidence of. Frames that show nothing, and frames of which nothing was left out,
+/// prove nothing about culling.
+struct Evidence {
+    size_t frames = 0;
+    size_t empty_frames = 0;  ///< that show nothing
+    size_t hiding_frames = 0; ///< of which some run drew less than what is in the frustum
+};
+Evidence evidence_of(std::span<const AlgorithmRun> runs);
 
 struct Summary {
     Distribution frame_ms;

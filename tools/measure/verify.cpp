@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <map>
 #include <unordered_map>
 
@@ -131,6 +132,28 @@ std::string describe_frame(const AlgorithmRun& run, size_t frame, const Verdict&
     return line;
 }
 
+// True for an image of one colour and one depth: nothing, or a wall that stands upright before the
+// camera.
+bool is_one_color(const Capture& capture)
+{
+    const auto all_alike = [](const auto& values) {
+        return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>{}) ==
+               values.end();
+    };
+    return all_alike(capture.color.pixels) && all_alike(capture.depth);
+}
+
+// True if no item shows in the image of all of them.
+bool shows_nothing(const Stage& stage, const View& view, std::span<const ItemId> items,
+                   const Capture& reference)
+{
+    const bool any_blended = std::any_of(items.begin(), items.end(), [&](ItemId item) {
+        return has_flag(stage.item_bounds[item.value].flags, ItemFlags::translucent);
+    });
+    return is_one_color(reference) && !any_blended &&
+           owners_of_pixels(stage.renderer.render_ids(view, items)).empty();
+}
+
 // Culls one frame with one culler and compares it with the reference.
 void verify_frame(const Stage& stage, const View& view, const Capture& reference, Culler& culler,
                   AlgorithmRun& run, size_t frame)
@@ -223,7 +246,10 @@ Result<std::vector<AlgorithmRun>> verify(const Stage& stage, std::span<const Con
             owners = owners_of_pixels(stage.renderer.render_ids(view, items));
         }
         const Capture reference = draw_and_capture(stage, view, items);
+        const bool empty = shows_nothing(stage, view, items, reference);
         for (size_t i = 0; i < runs.size(); ++i) {
+            runs[i].frames[frame].items_in_frustum = items.size();
+            runs[i].frames[frame].shows_nothing = empty;
             Culler& culler = *(*cullers)[i];
             record_answer(culler, view, stage.renderer.device(), owners);
             verify_frame(stage, view, reference, culler, runs[i], frame);

@@ -52,7 +52,7 @@ uint64_t drawn_triangles(const SceneModel& model)
 std::vector<ItemDesc> item_descriptions(const SceneModel& model, uint32_t instance)
 {
     const ItemFlags flags =
-        model.instances[instance].opacity < 1.0f ? ItemFlags::translucent : ItemFlags::none;
+        model.instances[instance].translucent() ? ItemFlags::translucent : ItemFlags::none;
     std::vector<ItemDesc> items;
     for (const MeshPart& part : model.meshes[model.instances[instance].mesh].parts) {
         items.push_back({.local_box = part.box,

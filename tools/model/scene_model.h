@@ -44,6 +44,11 @@ struct Instance {
     glm::mat4 world_from_mesh{1.0f};
     glm::vec3 color{0.7f}; ///< linear base colour
     float opacity = 1.0f;  ///< below 1: translucent, blended over what is behind
+    /// Its material lets something through though it is drawn with full opacity: it is drawn like a
+    /// translucent one, and hides nothing.
+    bool see_through = false;
+
+    bool translucent() const { return see_through || opacity < 1.0f; }
 };
 
 struct SceneModel {
@@ -61,6 +66,15 @@ struct SceneModel {
     std::vector<NamedPath> paths;
     /// How the instances move from frame to frame of a path; empty if they stand still.
     Motion motion;
+    /// The point of the file that lies at (0, 0, 0) here: world = file - origin. Not zero where the
+    /// file's scene lies so far from its origin that single precision would bend it.
+    glm::dvec3 origin{0.0};
+    /// What the loader says of the file, one sentence each; empty for generated scenes.
+    std::vector<std::string> load_notes;
+    /// What the file holds and the scene does not, one sentence each: losses.
+    std::vector<std::string> load_losses;
+    /// Triangles of all instances in the file, those that were left out among them; 0: no file.
+    uint64_t file_triangles = 0;
     /// Triangles of all instances before meshes were cut into items; load_scene() notes them.
     uint64_t uncut_triangles = 0;
 

@@ -1,8 +1,12 @@
-// How a scene is cut into items when it is loaded or generated.
+// How a scene is read, and cut into items, when it is loaded or generated.
 #pragma once
+
+#include <glm/vec3.hpp>
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 
 namespace occlude::tools {
 
@@ -13,8 +17,20 @@ struct SceneOptions {
     /// triangles (scene/split.h).
     enum class Split { centroid, exact };
     Split split = Split::centroid;
-    /// Keeps meshes that were cut; see exact_split.h. Empty: they are cut every time.
+    /// Keeps meshes that were cut (exact_split.h) and files that took long to read
+    /// (load/scene_cache.h). Empty: nothing is kept.
     std::filesystem::path cache_folder = {};
+
+    // What a file means; empty: as the file or its format says, or else guessed from its shape.
+    std::optional<glm::dvec3> origin = {}; ///< the point of the file that becomes (0, 0, 0)
+    std::optional<float> units_per_metre = {};
+    std::optional<glm::vec3> up = {}; ///< of length 1
+
+    // What reading a file may cost.
+    uint32_t load_seconds = 120;  ///< in readers that may hang
+    uint64_t load_memory_mib = 0; ///< 0: half of the machine's memory
+    /// Called now and then while a file is read, with the share that is done.
+    std::function<void(double)> progress = {};
 };
 
 } // namespace occlude::tools

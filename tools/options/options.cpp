@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <utility>
 
 namespace occlude::tools {
 
@@ -35,6 +37,85 @@ Result<glm::ivec2> parse_size(std::string_view text)
                  fmt::format("--size: '{}' is not a size; write WIDTHxHEIGHT with sides from 1 to "
                              "{}, such as 1280x720",
                              text, kMaxSide)};
+}
+
+static Error bad_option(std::string_view option, std::string_view text, std::string_view what)
+{
+    return {ErrorCode::invalid_argument, fmt::format("{}: '{}' is not {}", option, text, what)};
+}
+
+static Result<glm::dvec3> parse_origin(std::string_view text)
+{
+    const std::vector<std::string> parts = split_commas(text);
+    glm::dvec3 origin{0.0};
+    for (size_t axis = 0; axis < 3; ++axis) {
+        const auto number = axis < parts.size() ? parse_number<double>(parts[axis]) : std::nullopt;
+        if (parts.size() != 3 || !number || !std::isfinite(*number)) {
+            return bad_option("--origin", text, "a point; write X,Y,Z, such as 442437,0,4481087");
+        }
+        origin[static_cast<int>(axis)] = *number;
+    }
+    return origin;
+}
+
+static Result<float> parse_unit(std::string_view text)
+{
+    constexpr std::pair<std::string_view, float> kNames[] = {
+        {"m", 1.0f},      {"metres", 1.0f},         {"cm", 100.0f},   {"centimetres", 100.0f},
+        {"mm", 1000.0f},  {"millimetres", 1000.0f}, {"in", 39.3701f}, {"inches", 39.3701f},
+        {"ft", 3.28084f}, {"feet", 3.28084f},       {"km", 0.001f},   {"quake", 32.0f}};
+    for (const auto& [name, units] : kNames) {
+        if (name == text) {
+            return units;
+        }
+    }
+    const auto number = parse_number<float>(text);
+    if (number && *number >= 1e-12f && *number <= 1e12f) {
+        return *number;
+    }
+    return bad_option("--unit", text,
+                      "a unit; write m, cm, mm, in, ft, or how many units make a "
+                      "metre");
+}
+
+static Result<glm::vec3> parse_up(std::string_view text)
+{
+    const bool has_sign = !text.empty() && (text[0] == '+' || text[0] == '-');
+    const std::string_view axis = text.substr(has_sign ? 1 : 0);
+    if (axis.size() == 1 && axis[0] >= 'x' && axis[0] <= 'z') {
+        glm::vec3 up{0.0f};
+        up[axis[0] - 'x'] = text[0] == '-' ? -1.0f : 1.0f;
+        return up;
+    }
+    return bad_option("--up", text, "an axis; write x, y or z, with a minus if it points down");
+}
+
+Result<SceneOptions> parse_file_options(const FileOptions& file, SceneOptions options)
+{
+    options.load_seconds = file.load_seconds;
+    options.load_memory_mib = file.load_memory_mib;
+    if (!file.origin.empty()) {
+        const auto origin = parse_origin(file.origin);
+        if (!origin) {
+            return origin.error();
+        }
+        options.origin = *origin;
+    }
+    if (!file.unit.empty()) {
+        const auto unit = parse_unit(file.unit);
+        if (!unit) {
+            return unit.error();
+        }
+        options.units_per_metre = *unit;
+    }
+    if (!file.up.empty()) {
+        const auto up = parse_up(file.up);
+        if (!up) {
+            return up.error();
+        }
+        options.up = *up;
+    }
+    return options;
 }
 
 Result<FrameRange> parse_frame_range(std::string_view text)

@@ -18,6 +18,15 @@
 
 namespace occlude::tools {
 
+/// How a file is read; texts that are empty leave it to the file.
+struct FileOptions {
+    std::string origin; ///< "X,Y,Z"
+    std::string unit;   ///< "m", "cm", "mm", "in", "ft", or units per metre
+    std::string up;     ///< "x", "+y", "-z"
+    uint32_t load_seconds = SceneOptions{}.load_seconds;
+    uint64_t load_memory_mib = SceneOptions{}.load_memory_mib;
+};
+
 /// Which scene, how it is organised and who draws it: the same for every command.
 struct StageOptions {
     std::string hierarchy = "bvh";     ///< hierarchies.h; bench and verify take several
@@ -32,6 +41,9 @@ struct StageOptions {
     std::string split = "centroid";
     std::optional<std::string> cache_folder; ///< empty: default_cache_folder()
     std::vector<std::string> sets;           ///< ALGORITHM.OPTION=VALUE, TREE.OPTION=VALUE
+    FileOptions file;                        ///< for scenes that are files
+    /// What a file holds and the scene does not is an error, and so are coincident surfaces.
+    bool strict = false;
 };
 
 /// For bench and verify, which take the same options.
@@ -42,7 +54,8 @@ struct CompareOptions {
     std::string algorithms = "all";
     size_t repeat = 1;
     bool verify = false;
-    std::string json; ///< file names; empty: not asked for
+    bool nothing_hidden_is_fine = false; ///< verify: frames in which nothing is hidden are expected
+    std::string json;                    ///< file names; empty: not asked for
     std::string csv;
     std::string html;
 };
@@ -84,6 +97,12 @@ struct GenerateOptions {
     std::string out;
 };
 
+struct ConvertOptions {
+    std::string scene;
+    std::string out;
+    FileOptions file;
+};
+
 struct ListOptions {
     std::string what;
     std::string scene; ///< for paths only; may be empty
@@ -91,6 +110,9 @@ struct ListOptions {
 
 /// "1280x720": both sides from 1 to 16384.
 Result<glm::ivec2> parse_size(std::string_view text);
+
+/// Reads the texts of `file` into scene options; errors name the option.
+Result<SceneOptions> parse_file_options(const FileOptions& file, SceneOptions options = {});
 
 /// "A:B": first and last frame, first <= last.
 struct FrameRange {

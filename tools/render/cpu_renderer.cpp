@@ -92,7 +92,7 @@ CpuItem CpuModelScene::item(ItemId item) const
             .indices = std::span(mesh.indices).subspan(part.first_index, part.index_count),
             .world_from_mesh = world_from_mesh_[drawn.instance],
             .box = part.box,
-            .translucent = opacity(item) < 1.0f};
+            .translucent = model_.instances[items_[item.value].instance].translucent()};
 }
 
 void CpuModelScene::set_transforms(std::span<const glm::mat4> world_from_mesh)

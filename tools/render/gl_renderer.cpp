@@ -144,7 +144,7 @@ GlRenderer::GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const Scene
 void GlRenderer::find_translucent(std::span<const SceneModel::Item> items)
 {
     const auto blended = [&](const SceneModel::Item& item) {
-        return model_.instances[item.instance].opacity < 1.0f;
+        return model_.instances[item.instance].translucent();
     };
     translucent_.clear();
     if (std::any_of(items.begin(), items.end(), blended)) {

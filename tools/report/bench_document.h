@@ -24,10 +24,12 @@ struct BenchDocument {
     uint64_t objects = 0;
     uint64_t items = 0;
     uint64_t triangles = 0;
-    std::string device;    ///< "gl" or "cpu"
-    std::string api;       ///< the API and its version
-    std::string renderer;  ///< the driver's own name
-    std::string hierarchy; ///< all kinds, between commas
+    std::vector<std::string> load_notes = {};  ///< what the loader assumed
+    std::vector<std::string> load_losses = {}; ///< what the file holds and the scene does not
+    std::string device;                        ///< "gl" or "cpu"
+    std::string api;                           ///< the API and its version
+    std::string renderer;                      ///< the driver's own name
+    std::string hierarchy;                     ///< all kinds, between commas
     std::string test;
     std::string path;
     glm::ivec2 size{0};

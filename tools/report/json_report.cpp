@@ -120,6 +120,14 @@ Json preparation_json(const Preparation& preparation)
                          {"uncut_triangles", preparation.uncut_triangles}});
 }
 
+Json evidence_json(const BenchDocument& document)
+{
+    const Evidence evidence = evidence_of(document.runs);
+    return Json::object({{"frames", evidence.frames},
+                         {"empty_frames", evidence.empty_frames},
+                         {"hiding_frames", evidence.hiding_frames}});
+}
+
 Json document_json(const BenchDocument& document, Detail detail)
 {
     Json runs = Json::array();
@@ -138,7 +146,9 @@ Json document_json(const BenchDocument& document, Detail detail)
                          {"scene", Json::object({{"name", document.scene},
                                                  {"objects", document.objects},
                                                  {"items", document.items},
-                                                 {"triangles", document.triangles}})},
+                                                 {"triangles", document.triangles},
+                                                 {"notes", Json::list(document.load_notes)},
+                                                 {"left_out", Json::list(document.load_losses)}})},
                          {"device", Json::object({{"name", document.device},
                                                   {"api", document.api},
                                                   {"renderer", document.renderer},
@@ -155,6 +165,7 @@ Json document_json(const BenchDocument& document, Detail detail)
                          {"frames", document.frames},
                          {"repeat", document.repeat},
                          {"sample_every", document.sample_every},
+                         {"evidence", evidence_json(document)},
                          {"runs", std::move(runs)}});
 }
 

@@ -50,6 +50,7 @@ void read_rotation(const Json& value, PathEntry& key_entry, glm::quat& out)
     PathEntry entry(value, key_entry.place() + ".rotation", "{\"axis\": [0,1,0], \"degrees\": 90}");
     glm::vec3 axis{0.0f};
     float degrees = 0.0f;
+    entry.allow_only({"axis", "degrees"});
     entry.require("axis");
     entry.require("degrees");
     entry.read("axis", axis);
@@ -66,20 +67,25 @@ void read_rotation(const Json& value, PathEntry& key_entry, glm::quat& out)
 }
 
 /// The keys of one mover into `motion`; what is wrong with them into `mover`.
-void read_keys(const Json& list, PathEntry& mover, const Instance& instance, InstanceMotion& motion)
+void read_keys(const Json& list, PathEntry& mover, const SceneModel& model, uint32_t index,
+               InstanceMotion& motion)
 {
     if (!list.is_array() || list.empty()) {
         mover.fail(mover.place() + ".keyframes must be a list with at least one entry");
         return;
     }
     MotionKey key;
-    key.position = glm::vec3{instance.world_from_mesh[3]};
+    // In the coordinates of the file, as the path's positions are.
+    glm::dvec3 position =
+        glm::dvec3{glm::vec3{model.instances[index].world_from_mesh[3]}} + model.origin;
     for (size_t i = 0; i < list.size(); ++i) {
         PathEntry entry(list.at(i), fmt::format("{}.keyframes[{}]", mover.place(), i),
                         "{\"frame\": 0, \"position\": [0,0,0]}");
+        entry.allow_only({"frame", "position", "rotation"});
         entry.require("frame");
         entry.read("frame", key.frame, kLastFrame);
-        entry.read("position", key.position);
+        entry.read("position", position);
+        key.position = glm::vec3{position - model.origin};
         if (entry.has("rotation")) {
             read_rotation(list.at(i).at("rotation"), entry, key.rotation);
         }
@@ -97,6 +103,7 @@ void read_keys(const Json& list, PathEntry& mover, const Instance& instance, Ins
 void read_visible(const Json& value, PathEntry& mover, InstanceMotion& motion)
 {
     PathEntry entry(value, mover.place() + ".visible", "{\"from\": 0, \"to\": 99}");
+    entry.allow_only({"from", "to"});
     entry.read("from", motion.first_frame, kLastFrame);
     entry.read("to", motion.last_frame, kLastFrame);
     if (motion.first_frame > motion.last_frame) {
@@ -129,6 +136,7 @@ Result<size_t> read_movers(const std::string& file, SceneModel& model)
         const Json& value = movers->at(i);
         PathEntry mover(value, fmt::format("movers[{}]", i),
                         "{\"object\": \"gate\", \"keyframes\": [...]}");
+        mover.allow_only({"object", "keyframes", "visible"});
         mover.require("object");
         if (!mover.problem().empty()) {
             return bad_path(file, mover.problem());
@@ -144,7 +152,7 @@ Result<size_t> read_movers(const std::string& file, SceneModel& model)
         named[*index] = true;
         motions[*index] = {};
         if (mover.has("keyframes")) {
-            read_keys(value.at("keyframes"), mover, model.instances[*index], motions[*index]);
+            read_keys(value.at("keyframes"), mover, model, *index, motions[*index]);
         }
         if (mover.has("visible")) {
             read_visible(value.at("visible"), mover, motions[*index]);

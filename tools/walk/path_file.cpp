@@ -12,19 +12,23 @@ namespace {
 
 constexpr const char* kExample = "{\"eye\": [0,0,0], \"target\": [0,0,-1]}";
 
-Camera read_camera(PathEntry& entry)
+Camera read_camera(PathEntry& entry, const glm::dvec3& origin)
 {
     constexpr float kFarthest = 1e15f;
     Camera camera;
     entry.require("eye");
     entry.require("target");
-    entry.read("eye", camera.eye);
-    entry.read("target", camera.target);
+    glm::dvec3 eye{0.0};
+    glm::dvec3 target{0.0, 0.0, -1.0};
+    entry.read("eye", eye);
+    entry.read("target", target);
+    camera.eye = glm::vec3{eye - origin};
+    camera.target = glm::vec3{target - origin};
     entry.read("up", camera.up);
     entry.read("fov_y", camera.fov_y, 0.1f, 179.0f);
     entry.read("near", camera.near, 0.0f, kFarthest);
     entry.read("far", camera.far, 0.0f, kFarthest);
-    if (camera.eye == camera.target) {
+    if (eye == target) {
         entry.fail(entry.place() + ": eye and target are the same point");
     }
     if (camera.up == glm::vec3{0.0f}) {
@@ -37,12 +41,13 @@ Camera read_camera(PathEntry& entry)
 }
 
 Result<std::vector<Camera>> read_frames(const std::string& file, const Json& list,
-                                        size_t frame_count)
+                                        size_t frame_count, const glm::dvec3& origin)
 {
     std::vector<Camera> frames;
     for (size_t i = 0; i < list.size() && i < frame_count; ++i) {
         PathEntry entry(list.at(i), fmt::format("frames[{}]", i), kExample);
-        frames.push_back(read_camera(entry));
+        entry.allow_only({"eye", "target", "up", "fov_y", "near", "far"});
+        frames.push_back(read_camera(entry, origin));
         if (!entry.problem().empty()) {
             return bad_path(file, entry.problem());
         }
@@ -51,13 +56,14 @@ Result<std::vector<Camera>> read_frames(const std::string& file, const Json& lis
 }
 
 Result<std::vector<Camera>> read_keyframes(const std::string& file, const Json& list,
-                                           size_t frame_count)
+                                           size_t frame_count, const glm::dvec3& origin)
 {
     std::vector<Keyframe> keys;
     for (size_t i = 0; i < list.size(); ++i) {
         PathEntry entry(list.at(i), fmt::format("keyframes[{}]", i), kExample);
         Keyframe key;
-        key.camera = read_camera(entry);
+        entry.allow_only({"eye", "target", "up", "fov_y", "near", "far", "time", "cut"});
+        key.camera = read_camera(entry, origin);
         entry.require("time");
         entry.read("time", key.time, -1e9f, 1e9f);
         entry.read("cut", key.cut);
@@ -79,7 +85,8 @@ Json to_json(const glm::vec3& v)
 
 } // namespace
 
-Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame_count)
+Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame_count,
+                                           const glm::dvec3& origin)
 {
     const auto root = read_path_json(file);
     if (!root) {
@@ -95,8 +102,9 @@ Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame
                                               "path needs frames",
                                               form));
         }
-        return std::string_view(form) == "frames" ? read_frames(file, *list, frame_count)
-                                                  : read_keyframes(file, *list, frame_count);
+        return std::string_view(form) == "frames"
+                   ? read_frames(file, *list, frame_count, origin)
+                   : read_keyframes(file, *list, frame_count, origin);
     }
     return bad_path(file, "has neither \"frames\" nor \"keyframes\"");
 }

@@ -1,14 +1,58 @@
 #include "walk/path_json.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <numeric>
+#include <string_view>
+#include <vector>
 
 namespace occlude::tools {
+
+namespace {
+
+/// How many letters must be put in, taken out or replaced to make one word of another.
+size_t edit_distance(std::string_view a, std::string_view b)
+{
+    std::vector<size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), size_t{0});
+    for (size_t i = 0; i < a.size(); ++i) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (size_t j = 0; j < b.size(); ++j) {
+            const size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+/// What is wrong with the keys of an object; empty if nothing is.
+std::string unknown_key(const Json& object, std::initializer_list<const char*> keys)
+{
+    for (const Json::Member& member : object.members()) {
+        const std::string& key = member.first;
+        const auto is_it = [&](const char* known) { return key == known; };
+        if (std::none_of(keys.begin(), keys.end(), is_it)) {
+            const auto nearest =
+                std::min_element(keys.begin(), keys.end(), [&](const char* a, const char* b) {
+                    return edit_distance(key, a) < edit_distance(key, b);
+                });
+            return fmt::format("has an unknown key \"{}\"; did you mean \"{}\"? Known are {}", key,
+                               *nearest, fmt::join(keys, ", "));
+        }
+    }
+    return {};
+}
+
+} // namespace
 
 Error bad_path(const std::string& file, const std::string& what)
 {
@@ -37,6 +81,10 @@ Result<Json> read_path_json(const std::string& file)
     if (version == nullptr || !version->is_number() || version->number() != 1.0) {
         return bad_path(file, "\"version\" must be 1");
     }
+    if (const std::string problem = unknown_key(root, {"version", "frames", "keyframes", "movers"});
+        !problem.empty()) {
+        return bad_path(file, problem);
+    }
     return root;
 }
 
@@ -56,7 +104,23 @@ void PathEntry::require(const char* key)
     }
 }
 
+void PathEntry::allow_only(std::initializer_list<const char*> keys)
+{
+    if (value_.is_object()) {
+        if (const std::string problem = unknown_key(value_, keys); !problem.empty()) {
+            fail(fmt::format("{} {}", place_, problem));
+        }
+    }
+}
+
 void PathEntry::read(const char* key, glm::vec3& out)
+{
+    glm::dvec3 precise = out;
+    read(key, precise);
+    out = glm::vec3{precise};
+}
+
+void PathEntry::read(const char* key, glm::dvec3& out)
 {
     if (!has(key)) {
         return;
@@ -64,8 +128,8 @@ void PathEntry::read(const char* key, glm::vec3& out)
     const Json& list = value_.at(key);
     for (size_t i = 0; i < 3; ++i) {
         const bool is_number = list.is_array() && list.size() == 3 && list.at(i).is_number();
-        const float number = is_number ? static_cast<float>(list.at(i).number()) : 0.0f;
-        if (!is_number || !std::isfinite(number)) {
+        const double number = is_number ? list.at(i).number() : 0.0;
+        if (!is_number || !(std::abs(number) <= double{FLT_MAX})) {
             fail(fmt::format("{}.{} must be three numbers, such as [1.0, 2.0, 3.0]", place_, key));
             return;
         }

@@ -7,6 +7,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <initializer_list>
 #include <string>
 
 namespace occlude::tools {
@@ -14,7 +15,8 @@ namespace occlude::tools {
 /// An error in a path file.
 Error bad_path(const std::string& file, const std::string& what);
 
-/// Reads a path file as far as all kinds of it are alike: an object of version 1.
+/// Reads a path file as far as all kinds of it are alike: an object of version 1 without unknown
+/// keys.
 Result<Json> read_path_json(const std::string& file);
 
 /// Reads members of one entry, and keeps the first thing that was wrong.
@@ -26,8 +28,11 @@ public:
     bool has(const char* key) const { return value_.contains(key); }
     /// Fails if there is no such member.
     void require(const char* key);
+    /// Fails if there is a member that is not among `keys`, and names the nearest of them.
+    void allow_only(std::initializer_list<const char*> keys);
     /// Each reads a member into `out` if it is there, and fails if it is of another kind.
     void read(const char* key, glm::vec3& out);
+    void read(const char* key, glm::dvec3& out);
     void read(const char* key, float& out, float least, float most);
     void read(const char* key, uint32_t& out, uint32_t most);
     void read(const char* key, bool& out);

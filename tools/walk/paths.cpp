@@ -1,5 +1,6 @@
 #include "walk/paths.h"
 
+#include "model/focus.h"
 #include "walk/path_tools.h"
 #include "walk/walk_path.h"
 
@@ -11,14 +12,16 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <string_view>
 
 namespace occlude::tools {
 namespace {
 
-constexpr float kEyeHeight = 1.7f;       // metres
-constexpr float kLongestStep = 0.5f;     // metres between two frames of a walk
-constexpr float kNear = 0.1f;            // metres
-constexpr float kLeastNearShare = 1e-5f; // of far
+constexpr std::string_view kCameraPrefix = "camera:"; // of paths that are cameras of the file
+constexpr float kEyeHeight = 1.7f;                    // metres
+constexpr float kLongestStep = 0.5f;                  // metres between two frames of a walk
+constexpr float kNear = 0.1f;                         // metres
+constexpr float kLeastNearShare = 1e-5f;              // of far
 
 /// Two directions that span the ground with `up`.
 struct GroundAxes {
@@ -48,7 +51,7 @@ float standoff(const Aabb& bounds, const glm::vec3& out, const glm::vec3& up)
     const glm::vec3 half = 0.5f * bounds.extent();
     const glm::vec3 right = glm::normalize(glm::cross(up, out));
     const glm::vec3 top = glm::cross(out, right);
-    float distance = 1e-3f;
+    float distance = 0.0f;
     for (int i = 0; i < 8; ++i) {
         const glm::vec3 corner =
             half * glm::vec3{i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f};
@@ -56,7 +59,7 @@ float standoff(const Aabb& bounds, const glm::vec3& out, const glm::vec3& up)
                                       std::abs(glm::dot(corner, top)) / kUpward);
         distance = std::max(distance, glm::dot(corner, out) + across);
     }
-    return distance;
+    return distance > 0.0f ? distance : 1.0f; // a single point
 }
 
 /// Looking at the middle of the scene from the direction `degrees` around it and `rise` above.
@@ -73,7 +76,7 @@ Camera looking_in(const SceneModel& model, const Aabb& bounds, float degrees, fl
 std::vector<Keyframe> orbit_keys(const SceneModel& model)
 {
     constexpr int kSteps = 48;
-    const Aabb bounds = world_bounds(model);
+    const Aabb bounds = find_focus(model).box;
     std::vector<Keyframe> keys;
     for (int i = 0; i <= kSteps; ++i) {
         const float degrees = 360.0f * static_cast<float>(i) / kSteps;
@@ -84,7 +87,7 @@ std::vector<Keyframe> orbit_keys(const SceneModel& model)
 
 std::vector<Keyframe> overview_keys(const SceneModel& model)
 {
-    return {{0.0f, looking_in(model, world_bounds(model), -60.0f, 1.0f), false}};
+    return {{0.0f, looking_in(model, find_focus(model).box, -60.0f, 1.0f), false}};
 }
 
 /// What of a walk `frame_count` frames can show at a human pace.
@@ -128,9 +131,13 @@ std::vector<Keyframe> auto_keys(const SceneModel& model, size_t frame_count)
         const SceneModel::NamedPath* orbit = find_named(model, "orbit");
         return orbit != nullptr ? orbit->keys : orbit_keys(model);
     }
-    if (!model.paths.empty() && find_named(model, "street") == nullptr &&
+    const auto made_for_it =
+        std::find_if(model.paths.begin(), model.paths.end(), [](const SceneModel::NamedPath& path) {
+            return !path.name.starts_with(kCameraPrefix);
+        });
+    if (made_for_it != model.paths.end() && find_named(model, "street") == nullptr &&
         find_named(model, "walk") == nullptr) {
-        return model.paths.front().keys; // made for this scene, which has nowhere to walk
+        return made_for_it->keys; // the scene has nowhere to walk
     }
     std::vector<Keyframe> keys = walk_keys(model, frame_count);
     return keys.empty() ? orbit_keys(model) : keys;
@@ -201,7 +208,7 @@ Result<std::vector<Camera>> load_path(const std::string& name, const SceneModel&
                      "a path of 0 frames shows nothing; ask for at least 1 frame"};
     }
     if (name.ends_with(".json")) {
-        return read_path_file(name, frame_count);
+        return read_path_file(name, frame_count, model.origin);
     }
     const std::vector<Keyframe> keys = keys_by_name(name, model, frame_count);
     if (!keys.empty()) {
@@ -214,7 +221,7 @@ Result<std::vector<Camera>> load_path(const std::string& name, const SceneModel&
     }
     std::error_code failed;
     if (std::filesystem::exists(name, failed)) {
-        return read_path_file(name, frame_count);
+        return read_path_file(name, frame_count, model.origin);
     }
     return Error{ErrorCode::not_found,
                  fmt::format("no path is called '{}'; known are {}, or give a "
@@ -235,15 +242,29 @@ std::vector<PathInfo> path_names(const SceneModel& model)
     for (const SceneModel::NamedPath& path : model.paths) {
         const auto is_it = [&](const PathInfo& info) { return info.name == path.name; };
         if (std::none_of(infos.begin(), infos.end(), is_it)) {
-            infos.push_back({path.name, "comes with the scene"});
+            const bool is_camera = path.name.starts_with(kCameraPrefix);
+            infos.push_back({path.name, is_camera ? "standing still at a camera of the file"
+                                                  : "comes with the scene"});
         }
     }
     return infos;
 }
 
+// What all cameras should see: the bulk of the scene, unless one of them stands far from it.
+static Aabb bounds_to_see(std::span<const Camera> cameras, const SceneModel& model)
+{
+    constexpr float kNearby = 8.0f; // times the size of the bulk
+    const Focus focus = find_focus(model);
+    const float reach = kNearby * glm::length(focus.box.extent());
+    const bool all_nearby = std::all_of(cameras.begin(), cameras.end(), [&](const Camera& camera) {
+        return glm::distance(camera.eye, focus.box.center()) < reach;
+    });
+    return all_nearby ? focus.box : world_bounds(model);
+}
+
 void choose_depth_range(std::span<Camera> cameras, const SceneModel& model)
 {
-    const Aabb bounds = world_bounds(model);
+    const Aabb bounds = bounds_to_see(cameras, model);
     float reach = 0.0f; // the farthest corner from any eye
     for (const Camera& camera : cameras) {
         const glm::vec3 away =

@@ -14,7 +14,7 @@
 //     {"object": "gate", "visible": {"from": 0, "to": 99}, "keyframes": [
 //       {"frame": 0, "position": [0,0,0]},
 //       {"frame": 50, "position": [0,4,0], "rotation": {"axis": [0,1,0], "degrees": 90}}]}]}
-// "object" is a name, or an index from 0; "visible" and "keyframes" may each be left away.
+// "object" is a name, or an index from 0; "visible" and "keyframes" may each be omitted.
 #pragma once
 
 #include "model/scene_model.h"
@@ -29,7 +29,8 @@ namespace occlude::tools {
 
 /// A path for any scene, by name: "auto" (what was made for the scene, a walk where there are
 /// floors, an orbit where the scene is an object), "orbit", "walk", "overview", a name in
-/// model.paths, or a JSON file.
+/// model.paths (cameras of the file among them, as "camera:NAME"), or a JSON file, whose positions
+/// are in the coordinates of the scene's file.
 Result<std::vector<Camera>> load_path(const std::string& name, const SceneModel& model,
                                       size_t frame_count);
 
@@ -45,8 +46,11 @@ std::vector<PathInfo> path_names(const SceneModel& model);
 void choose_depth_range(std::span<Camera> cameras, const SceneModel& model);
 
 /// Reads a path file. Frames come as they are, but at most `frame_count` of them; keyframes are
-/// interpolated to `frame_count` frames. Errors name the file, the entry and what it must hold.
-Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame_count);
+/// interpolated to `frame_count` frames. `origin` is subtracted from all positions, in double
+/// precision (SceneModel::origin). Errors name the file, the entry and what it must hold; keys that
+/// no entry has are errors, too.
+Result<std::vector<Camera>> read_path_file(const std::string& file, size_t frame_count,
+                                           const glm::dvec3& origin = glm::dvec3{0.0});
 
 /// Takes over the "movers" of a path file, if it has any: model.motion then says something of every
 /// instance, and the motion that came with the scene stays for those that the file does not name.

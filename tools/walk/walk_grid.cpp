@@ -1,5 +1,7 @@
 #include "walk/walk_grid.h"
 
+#include "model/focus.h"
+
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -22,6 +24,21 @@ glm::mat3 local_axes(const glm::vec3& up)
         std::abs(up.x) < 0.7f ? glm::vec3{1.0f, 0.0f, 0.0f} : glm::vec3{0.0f, 0.0f, -1.0f};
     const glm::vec3 x = glm::normalize(helper - glm::dot(helper, up) * up);
     return glm::transpose(glm::mat3{x, up, glm::cross(x, up)});
+}
+
+Aabb box_of(const Instance& instance, const Mesh& mesh)
+{
+    Aabb box;
+    for (const MeshPart& part : mesh.parts) {
+        box = merge(box, transformed(instance.world_from_mesh, part.box));
+    }
+    return box;
+}
+
+bool overlap(const Aabb& a, const Aabb& b)
+{
+    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
+           a.min.z <= b.max.z && b.min.z <= a.max.z;
 }
 
 /// A convex polygon of at most 7 corners: a triangle cut by four planes.
@@ -54,8 +71,8 @@ Polygon clipped(const Polygon& polygon, int axis, float at, float sign)
 SolidGrid::SolidGrid(const SceneModel& model)
     : local_from_world_(local_axes(glm::normalize(model.up)))
 {
-    const Aabb bounds =
-        transformed(glm::mat4{local_from_world_}, world_bounds(model)); // of the scene, local
+    const Focus focus = find_focus(model);
+    const Aabb bounds = transformed(glm::mat4{local_from_world_}, focus.box); // local
     const glm::vec3 extent = bounds.extent();
     const float finest = kFinestCell * model.unit;
     cell_ = std::max(finest, std::max(extent.x, extent.z) / static_cast<float>(kMostCells));
@@ -72,6 +89,9 @@ SolidGrid::SolidGrid(const SceneModel& model)
     std::vector<glm::vec3> cells;
     for (const Instance& instance : model.instances) {
         const Mesh& mesh = model.meshes[instance.mesh];
+        if (focus.left_out > 0 && !overlap(focus.box, box_of(instance, mesh))) {
+            continue; // far away: its cells would be those at the edge
+        }
         cells.clear();
         for (const glm::vec3& position : mesh.positions) {
             cells.push_back(

@@ -1,5 +1,6 @@
 #include "walk/walk_path.h"
 
+#include "model/focus.h"
 #include "walk/path_tools.h"
 #include "walk/walk_grid.h"
 
@@ -252,7 +253,7 @@ float length_of(const std::vector<glm::vec3>& points)
 
 std::vector<Keyframe> find_walk(const SceneModel& model)
 {
-    const Aabb bounds = world_bounds(model);
+    const Aabb bounds = find_focus(model).box;
     const float unit = model.unit;
     if (!bounds.is_bounded() || glm::length(bounds.extent()) < kLeastLength * unit) {
         return {};

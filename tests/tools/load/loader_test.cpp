@@ -1,5 +1,4 @@
 #include "generate/scene_source.h"
-#include "load/assimp_loader.h"
 #include "support/source_dir.h"
 #include "tools/temp_folder.h"
 
@@ -11,8 +10,6 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-
-#include <sys/resource.h>
 
 namespace occlude::tools {
 namespace {
@@ -292,7 +289,7 @@ TEST(Loader, TakesLevelsInGameUnitsForWhatTheyAre)
     const TempFolder folder;
     const auto level = load_scene(folder.write("level.obj", obj));
     ASSERT_TRUE(level) << level.error().message;
-    EXPECT_EQ(level->unit, 64.0f);
+    EXPECT_NEAR(level->unit, 39.37f, 0.01f) << "inches, as Quake's levels nearly are";
     const auto small = load_scene(folder.write("quad.obj", kQuadObj));
     ASSERT_TRUE(small);
     EXPECT_EQ(small->unit, 1.0f);
@@ -455,7 +452,7 @@ TEST(Loader, NodesThatNestTooDeeplyAreRefused)
                  "or in itself");
     expect_error(folder.write("named.gltf", R"({"asset":{"version":"1.0"},"scene":"s",
                      "scenes":{"s":{"nodes":["a"]}},"nodes":{"a":{"children":["a"]}}})"),
-                 ErrorCode::bad_data, "node \"a\" lies more than 1000 nodes deep, or in itself");
+                 ErrorCode::bad_data, "it nests too deeply, refers to itself or is damaged");
 }
 
 TEST(Loader, NodesThatAreManyByHavingSeveralParentsAreRefused)
@@ -473,21 +470,14 @@ TEST(Loader, NodesThatAreManyByHavingSeveralParentsAreRefused)
 }
 
 /// A Collada file whose node is its own child: nothing but Assimp looks at that.
-TEST(LoaderDeathTest, AFileThatCrashesAssimpEndsTheProgramWithASentence)
+TEST(Loader, AFileThatCrashesAssimpIsRefusedWithASentence)
 {
     const TempFolder folder;
     const std::string file = folder.write("ring.dae", R"(<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_visual_scenes>
 <visual_scene id="s"><node id="n"><instance_node url="#n"/></node></visual_scene>
 </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)");
-    const auto load_it = [&] {
-        rlimit stack{};
-        ::getrlimit(RLIMIT_STACK, &stack); // it shall have an end, whatever the shell says
-        stack.rlim_cur = std::min(stack.rlim_cur, rlim_t{1} << 23);
-        ::setrlimit(RLIMIT_STACK, &stack);
-        static_cast<void>(load_scene(file));
-    };
-    EXPECT_EXIT(load_it(), testing::ExitedWithCode(2), "^occlude: .*/ring.dae: .* export it again");
+    expect_error(file, ErrorCode::bad_data, "export it again");
 }
 
 TEST(Loader, IsTheSameEveryTime)

@@ -1,0 +1,47 @@
+#include "commands/commands.h"
+
+#include "commands/session.h"
+#include "files/output_file.h"
+#include "load/glb_writer.h"
+#include "load/scene_loader.h"
+
+#include <fmt/format.h>
+
+#include <ostream>
+
+namespace occlude::tools {
+
+Result<int> convert_command(const ConvertOptions& options, const Streams& streams)
+{
+    if (!options.out.ends_with(".glb")) {
+        return Error{ErrorCode::invalid_argument,
+                     fmt::format("--out: '{}' is no name of a binary glTF file; end it in .glb",
+                                 options.out)};
+    }
+    const auto scene_options = parse_file_options(options.file);
+    if (!scene_options) {
+        return scene_options.error();
+    }
+    auto file = OutputFile::open(options.out);
+    if (!file) {
+        return file.error();
+    }
+    const auto model = load_scene_file(options.scene, *scene_options);
+    if (!model) {
+        return model.error();
+    }
+    const auto bytes = to_glb(*model);
+    if (!bytes) {
+        return bytes.error();
+    }
+    if (const auto written = file->commit(*bytes); !written) {
+        return written.error();
+    }
+    streams.out << fmt::format("{}: {} objects of {} meshes, {} triangles, {:.1f} MB\n",
+                               options.out, model->instances.size(), model->meshes.size(),
+                               drawn_triangles(*model), 1e-6 * static_cast<double>(bytes->size()))
+                << load_summary(*model);
+    return kDone;
+}
+
+} // namespace occlude::tools

@@ -1,0 +1,42 @@
+// The files that Assimp opens.
+#pragma once
+
+#include <assimp/DefaultIOSystem.h>
+
+#include <glm/vec3.hpp>
+
+#include <string>
+#include <vector>
+
+namespace occlude::tools {
+
+/// Notes which files are opened, and moves the vertices of an OBJ file that lie far from the origin
+/// toward it: Assimp reads numbers in single precision, which at 4,000 km leaves half metres.
+class AssimpFiles : public Assimp::DefaultIOSystem {
+public:
+    /// `scene`: the file that may be moved.
+    explicit AssimpFiles(std::string scene)
+        : scene_(std::move(scene))
+    {
+    }
+
+    Assimp::IOStream* Open(const char* name, const char* mode) override;
+
+    /// What was subtracted from all vertices.
+    const glm::dvec3& offset() const { return offset_; }
+    const std::vector<std::string>& opened() const { return opened_; }
+
+private:
+    std::string scene_;
+    glm::dvec3 offset_{0.0};
+    std::vector<std::string> opened_;
+};
+
+/// The way from the origin to the middle of the vertices of an OBJ text, in whole units; zero if
+/// they lie no farther away than `kFarRatio` times their extent.
+glm::dvec3 far_offset_of_obj(std::string_view text);
+/// The text with `offset` subtracted from all vertices.
+std::string moved_obj(std::string_view text, const glm::dvec3& offset);
+inline constexpr double kFarRatio = 16.0;
+
+} // namespace occlude::tools

@@ -1,0 +1,150 @@
+#include "load/clean_mesh.h"
+
+#include "model/mesh_tools.h"
+
+#include <occlude/core/rng.h>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace occlude::tools {
+namespace {
+
+constexpr uint32_t kFree = 0xffffffffu;
+
+bool usable(const glm::vec3& v)
+{
+    // Written so that NaN answers false.
+    return std::abs(v.x) <= kLargestCoordinate && std::abs(v.y) <= kLargestCoordinate &&
+           std::abs(v.z) <= kLargestCoordinate;
+}
+
+uint64_t hash_of(const glm::vec3& v)
+{
+    const glm::vec3 positive = v + 0.0f; // -0 becomes 0
+    return hash64(std::bit_cast<uint32_t>(positive.x), std::bit_cast<uint32_t>(positive.y),
+                  std::bit_cast<uint32_t>(positive.z));
+}
+
+/// An open-addressing table of indices.
+class IndexTable {
+public:
+    explicit IndexTable(size_t entries)
+        : slots_(std::bit_ceil(entries * 2 + 1), kFree)
+    {
+    }
+    /// The index that equals `candidate`, which is put in if there is none.
+    template <class Equal>
+    uint32_t find_or_insert(uint64_t hash, uint32_t candidate, Equal&& equal)
+    {
+        const size_t mask = slots_.size() - 1;
+        size_t at = mix64(hash) & mask;
+        while (slots_[at] != kFree && !equal(slots_[at])) {
+            at = (at + 1) & mask;
+        }
+        if (slots_[at] == kFree) {
+            slots_[at] = candidate;
+        }
+        return slots_[at];
+    }
+
+private:
+    std::vector<uint32_t> slots_;
+};
+
+/// For every vertex the first one at the same position.
+std::vector<uint32_t> first_at_position(const std::vector<glm::vec3>& positions)
+{
+    IndexTable table(positions.size());
+    std::vector<uint32_t> first(positions.size());
+    for (uint32_t i = 0; i < positions.size(); ++i) {
+        if (!usable(positions[i])) { // equals nothing, so it must not fill the table
+            first[i] = i;
+            continue;
+        }
+        first[i] = table.find_or_insert(hash_of(positions[i]), i, [&](uint32_t other) {
+            return positions[other] == positions[i];
+        });
+    }
+    return first;
+}
+
+/// Keeps the triangles that can be drawn, in their order.
+void drop_bad_triangles(LoadedMesh& mesh)
+{
+    const std::vector<uint32_t> place = first_at_position(mesh.positions);
+    const size_t count = mesh.indices.size() / 3;
+    std::vector<std::array<uint32_t, 3>> kept_places;
+    kept_places.reserve(count);
+    IndexTable known(count);
+    size_t kept = 0;
+    for (size_t t = 0; t < count; ++t) {
+        const uint32_t corners[3] = {mesh.indices[3 * t], mesh.indices[3 * t + 1],
+                                     mesh.indices[3 * t + 2]};
+        if (!usable(mesh.positions[corners[0]]) || !usable(mesh.positions[corners[1]]) ||
+            !usable(mesh.positions[corners[2]])) {
+            ++mesh.left_out.non_finite;
+            continue;
+        }
+        std::array<uint32_t, 3> places{place[corners[0]], place[corners[1]], place[corners[2]]};
+        std::sort(places.begin(), places.end());
+        if (places[0] == places[1] || places[1] == places[2]) {
+            ++mesh.left_out.degenerate;
+            continue;
+        }
+        const auto candidate = static_cast<uint32_t>(kept_places.size());
+        const uint32_t found =
+            known.find_or_insert(hash64(places[0], places[1], places[2]), candidate,
+                                 [&](uint32_t other) { return kept_places[other] == places; });
+        mesh.repeated += found != candidate ? 1 : 0;
+        kept_places.push_back(places);
+        std::copy(corners, corners + 3, mesh.indices.begin() + static_cast<std::ptrdiff_t>(kept));
+        kept += 3;
+    }
+    mesh.indices.resize(kept);
+}
+
+void normalize_all(std::vector<glm::vec3>& normals)
+{
+    for (glm::vec3& normal : normals) {
+        const float length = glm::length(normal);
+        const bool has_direction = length > 0.0f && length <= kLargestCoordinate;
+        normal = has_direction ? normal / length : glm::vec3{0.0f, 1.0f, 0.0f};
+    }
+}
+
+} // namespace
+
+Mesh clean_mesh(LoadedMesh& source)
+{
+    const size_t triangles = source.indices.size();
+    drop_bad_triangles(source);
+    Mesh mesh;
+    mesh.name = std::move(source.name);
+    mesh.indices = std::move(source.indices);
+    if (mesh.indices.empty()) {
+        source.positions = {};
+        source.normals = {};
+        return mesh;
+    }
+    const bool has_normals = !source.normals.empty();
+    mesh.positions = std::move(source.positions);
+    mesh.normals = std::move(source.normals);
+    mesh.indices.shrink_to_fit();
+    if (!has_normals) {
+        make_normals(mesh);
+        return mesh;
+    }
+    normalize_all(mesh.normals);
+    const bool every_corner_alone = mesh.positions.size() >= mesh.indices.size();
+    if (every_corner_alone || mesh.indices.size() < triangles) {
+        weld(mesh); // also drops vertices that only dropped triangles used
+    }
+    return mesh;
+}
+
+} // namespace occlude::tools

@@ -1,0 +1,334 @@
+#include "load/finish_scene.h"
+
+#include "load/clean_mesh.h"
+#include "load/scene_measures.h"
+#include "model/focus.h"
+#include "model/mesh_tools.h"
+
+#include <occlude/core/rng.h>
+
+#include <fmt/format.h>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string_view>
+
+namespace occlude::tools {
+namespace {
+
+constexpr uint32_t kNoMesh = 0xffffffffu;
+/// A scene is moved to the origin if its middle lies farther away than this many times its size.
+constexpr float kFarScene = 16.0f;
+
+/// A muted colour, different for different hashes.
+glm::vec3 pleasant_color(uint64_t hash)
+{
+    const float value = 0.45f + 0.35f * uniform01(mix64(hash));
+    const float warm = uniform01(mix64(hash + 1));
+    const float green = uniform01(mix64(hash + 2));
+    const glm::vec3 tint{0.85f + 0.15f * warm, 0.82f + 0.18f * green, 1.0f - 0.3f * warm};
+    return value * tint;
+}
+
+uint64_t hash_text(std::string_view text)
+{
+    uint64_t hash = 0;
+    for (const char c : text) {
+        hash = hash64(hash, static_cast<unsigned char>(c));
+    }
+    return hash;
+}
+
+const LoadedMaterial* material_of(const LoadedScene& scene, const LoadedMesh& mesh)
+{
+    return mesh.material < scene.materials.size() ? &scene.materials[mesh.material] : nullptr;
+}
+
+/// The file's colour, unless it is none, white or black: then a colour by the material's name.
+glm::vec3 color_of(const LoadedScene& scene, uint32_t material_index, std::string_view mesh_name)
+{
+    uint64_t identity = hash_text(mesh_name);
+    if (material_index < scene.materials.size()) {
+        const LoadedMaterial& material = scene.materials[material_index];
+        const glm::vec3 rgb = material.color.value_or(glm::vec3{1.0f});
+        const float least = std::min({rgb.r, rgb.g, rgb.b});
+        const float most = std::max({rgb.r, rgb.g, rgb.b});
+        // Written so that NaN answers false.
+        if (least >= 0.0f && least < 0.99f && most > 0.02f && most <= kLargestCoordinate) {
+            return glm::min(rgb, glm::vec3{1.0f});
+        }
+        if (scene.materials.size() > 1) {
+            identity = hash64(hash_text(material.name), material_index);
+        }
+    }
+    return pleasant_color(identity);
+}
+
+Instance instance_of(const LoadedScene& scene, const LoadedInstance& source, uint32_t mesh,
+                     std::string_view mesh_name)
+{
+    constexpr float kLeastGlass = 0.25f; // so that one sees where panes are
+    const LoadedMesh& loaded = scene.meshes[source.mesh];
+    Instance instance{.name = source.name,
+                      .mesh = mesh,
+                      .world_from_mesh = glm::mat4{source.world_from_mesh},
+                      .color = color_of(scene, loaded.material, mesh_name)};
+    if (const LoadedMaterial* material = material_of(scene, loaded)) {
+        const float opacity = std::clamp(material->opacity, 0.0f, 1.0f);
+        instance.see_through = material->surface != Surface::opaque;
+        instance.opacity =
+            material->surface == Surface::transmissive ? std::max(opacity, kLeastGlass) : opacity;
+    }
+    return instance;
+}
+
+bool is_usable(const Aabb& box)
+{
+    return box.is_bounded() && std::max({glm::length(box.min), glm::length(box.max)}) < 1e18f;
+}
+
+class Finisher {
+public:
+    Finisher(LoadedScene loaded, const std::string& file, const SceneOptions& options)
+        : loaded_(std::move(loaded))
+        , file_(file)
+        , options_(options)
+    {
+    }
+    Result<SceneModel> finish();
+
+private:
+    void clean_meshes();
+    void add_instances();
+    void choose_origin();
+    void choose_axis_and_unit();
+    void add_cameras();
+    void describe_losses();
+    void describe_materials();
+    Error nothing_left() const;
+
+    LoadedScene loaded_;
+    std::string file_;
+    const SceneOptions& options_;
+    SceneModel model_;
+    std::vector<uint32_t> mesh_of_;             ///< by mesh of loaded_
+    std::vector<const LoadedInstance*> placed_; ///< by instance of model_
+    uint64_t misplaced_ = 0;
+};
+
+void Finisher::clean_meshes()
+{
+    std::vector<Mesh> meshes(loaded_.meshes.size());
+    oneapi::tbb::parallel_for(size_t{0}, meshes.size(), [&](size_t i) {
+        meshes[i] = clean_mesh(loaded_.meshes[i]);
+        if (!meshes[i].indices.empty()) {
+            partition_mesh(meshes[i], std::max(options_.item_triangles, 1u));
+        }
+    });
+    mesh_of_.assign(meshes.size(), kNoMesh);
+    for (size_t i = 0; i < meshes.size(); ++i) {
+        if (!meshes[i].indices.empty()) {
+            mesh_of_[i] = static_cast<uint32_t>(model_.meshes.size());
+            model_.meshes.push_back(std::move(meshes[i]));
+        }
+    }
+}
+
+void Finisher::add_instances()
+{
+    for (const LoadedInstance& source : loaded_.instances) {
+        const LeftOut& left_out = loaded_.meshes[source.mesh].left_out;
+        model_.file_triangles += left_out.triangles();
+        const uint32_t mesh = mesh_of_[source.mesh];
+        if (mesh == kNoMesh) {
+            continue;
+        }
+        model_.file_triangles += model_.meshes[mesh].indices.size() / 3;
+        Instance instance = instance_of(loaded_, source, mesh, model_.meshes[mesh].name);
+        Aabb box;
+        for (const MeshPart& part : model_.meshes[mesh].parts) {
+            box = merge(box, transformed(instance.world_from_mesh, part.box));
+        }
+        if (is_usable(box)) {
+            model_.instances.push_back(std::move(instance));
+            placed_.push_back(&source);
+        } else {
+            ++misplaced_;
+        }
+    }
+}
+
+void Finisher::choose_origin()
+{
+    glm::dvec3 origin{0.0};
+    if (options_.origin) {
+        origin = *options_.origin;
+    } else {
+        const Aabb box = find_focus(model_).box;
+        const glm::vec3 size = box.extent();
+        const glm::vec3 away = glm::abs(box.center());
+        const float largest = std::max({size.x, size.y, size.z});
+        if (std::max({away.x, away.y, away.z}) > kFarScene * largest) {
+            const double step = std::exp2(std::ceil(std::log2(std::max(largest, 1e-30f))));
+            origin = glm::round(glm::dvec3{box.center()} / step) * step;
+        }
+    }
+    if (origin == glm::dvec3{0.0}) {
+        return;
+    }
+    for (size_t i = 0; i < placed_.size(); ++i) {
+        glm::dmat4 moved = placed_[i]->world_from_mesh;
+        moved[3] -= glm::dvec4{origin, 0.0};
+        model_.instances[i].world_from_mesh = glm::mat4{moved};
+    }
+    model_.origin = origin;
+    model_.load_notes.push_back(fmt::format(
+        "moved by ({:.10g}, {:.10g}, {:.10g}), {}", 0.0 - origin.x, 0.0 - origin.y, 0.0 - origin.z,
+        options_.origin ? "as --origin says"
+                        : "because it lies far from its origin; path files stay in the "
+                          "coordinates of the file (--origin 0,0,0 leaves it there)"));
+}
+
+void Finisher::choose_axis_and_unit()
+{
+    const auto axis_name = [](const glm::vec3& up) {
+        const int axis = std::abs(up.x) > 0.5f ? 0 : std::abs(up.y) > 0.5f ? 1 : 2;
+        return fmt::format("{}{}", up[axis] < 0.0f ? '-' : '+', "xyz"[axis]);
+    };
+    const std::optional<glm::vec3> up = options_.up ? options_.up : loaded_.up;
+    model_.up = up ? *up : guess_up(model_);
+    const char* why_up = options_.up  ? "as --up says"
+                         : loaded_.up ? "as its format says"
+                                      : "guessed by its level surfaces";
+    UnitGuess unit{1.0f, {}};
+    if (options_.units_per_metre) {
+        unit = {*options_.units_per_metre, "as --unit says"};
+    } else if (loaded_.units_per_metre) {
+        unit = {*loaded_.units_per_metre, "as the file says"};
+    } else {
+        unit =
+            guess_unit(model_, loaded_.format_is_metric ? UnitSource::metres : UnitSource::unknown);
+    }
+    model_.unit = unit.units_per_metre;
+    model_.load_notes.push_back(fmt::format("{:g} units a metre ({}; --unit), up is {} ({}; --up)",
+                                            model_.unit, unit.reason, axis_name(model_.up),
+                                            why_up));
+}
+
+void Finisher::add_cameras()
+{
+    for (const LoadedCamera& source : loaded_.cameras) {
+        Camera camera;
+        camera.eye = glm::vec3{source.eye - model_.origin};
+        camera.target =
+            glm::vec3{source.eye - model_.origin +
+                      source.forward * std::max(1.0, glm::length(source.eye - model_.origin))};
+        camera.up = glm::vec3{source.up};
+        camera.fov_y = source.fov_y;
+        camera.near = source.near;
+        camera.far = source.far > source.near ? source.far : 0.0f;
+        std::string name = "camera:" + source.name;
+        const auto taken = [&](const std::string& wanted) {
+            return std::any_of(
+                model_.paths.begin(), model_.paths.end(),
+                [&](const SceneModel::NamedPath& path) { return path.name == wanted; });
+        };
+        for (int copy = 2; taken(name); ++copy) {
+            name = fmt::format("camera:{}#{}", source.name, copy);
+        }
+        model_.paths.push_back({std::move(name), {{0.0f, camera, false}}});
+    }
+}
+
+void Finisher::describe_losses()
+{
+    LeftOut sum;
+    uint64_t repeated = 0;
+    for (const LoadedMesh& mesh : loaded_.meshes) {
+        sum += mesh.left_out;
+        repeated += mesh.repeated;
+    }
+    if (repeated > 0) {
+        model_.load_notes.push_back(fmt::format(
+            "{} triangles repeat another one of their mesh; they are drawn again", repeated));
+    }
+    const auto say = [&](uint64_t count, const char* what) {
+        if (count > 0) {
+            model_.load_losses.push_back(fmt::format("{} {}", count, what));
+        }
+    };
+    say(sum.points, "points: only triangles are drawn");
+    say(sum.lines, "lines: only triangles are drawn");
+    say(sum.degenerate, "triangles without area: two of their corners are the same point");
+    say(sum.non_finite, "triangles with a corner that is not a finite number below 1e15");
+    say(sum.masked_away, "triangles that their material's alpha mask leaves nothing of");
+    say(misplaced_, "objects whose transform puts them at no finite place");
+}
+
+void Finisher::describe_materials()
+{
+    uint64_t objects[4] = {};
+    for (const LoadedInstance* placed : placed_) {
+        const LoadedMaterial* material = material_of(loaded_, loaded_.meshes[placed->mesh]);
+        ++objects[static_cast<size_t>(material != nullptr ? material->surface : Surface::opaque)];
+    }
+    const auto say = [&](Surface surface, const char* what) {
+        const auto count = std::count_if(
+            loaded_.materials.begin(), loaded_.materials.end(),
+            [&](const LoadedMaterial& material) { return material.surface == surface; });
+        if (objects[static_cast<size_t>(surface)] > 0) {
+            model_.load_notes.push_back(fmt::format("{} objects of {} {} materials hide nothing",
+                                                    objects[static_cast<size_t>(surface)], count,
+                                                    what));
+        }
+    };
+    say(Surface::masked, "alpha-masked");
+    say(Surface::blended, "blended");
+    say(Surface::transmissive, "transmissive");
+}
+
+Error Finisher::nothing_left() const
+{
+    const std::string reasons = fmt::format("{}", fmt::join(model_.load_losses, "; "));
+    return {ErrorCode::bad_data,
+            fmt::format("{}: has no triangles to draw ({}); export it with its surfaces", file_,
+                        reasons.empty() ? "it holds none" : "left out: " + reasons)};
+}
+
+Result<SceneModel> Finisher::finish()
+{
+    model_.name = std::filesystem::path(file_).stem().string();
+    clean_meshes();
+    add_instances();
+    describe_losses();
+    if (model_.instances.empty()) {
+        return nothing_left();
+    }
+    choose_origin();
+    choose_axis_and_unit();
+    describe_materials();
+    add_cameras();
+    if (const Focus focus = find_focus(model_); focus.left_out > 0) {
+        model_.load_notes.push_back(fmt::format("{} of {} objects stand far away from the others; "
+                                                "the built-in paths look at the others",
+                                                focus.left_out, model_.instances.size()));
+    }
+    model_.load_notes.insert(model_.load_notes.end(), loaded_.notes.begin(), loaded_.notes.end());
+    return std::move(model_);
+}
+
+} // namespace
+
+Result<SceneModel> finish_scene(LoadedScene loaded, const std::string& file,
+                                const SceneOptions& options)
+{
+    return Finisher{std::move(loaded), file, options}.finish();
+}
+
+} // namespace occlude::tools
