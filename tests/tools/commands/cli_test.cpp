@@ -1,4 +1,4 @@
-#include "commands/cli.h"
+#include "tools/cli_runner.h"
 
 #include <nlohmann/json.hpp>
 
@@ -15,72 +15,6 @@
 #include <unistd.h>
 
 namespace occlude::tools {
-
-namespace {
-
-namespace fs = std::filesystem;
-
-struct Outcome {
-    int code = -1;
-    std::string out;
-    std::string err;
-};
-
-Outcome run(std::vector<std::string> arguments)
-{
-    arguments.insert(arguments.begin(), "occlude");
-    std::vector<const char*> argv;
-    for (const std::string& argument : arguments) {
-        argv.push_back(argument.c_str());
-    }
-    std::ostringstream out;
-    std::ostringstream err;
-    const int code = run_program(static_cast<int>(argv.size()), argv.data(), {out, err});
-    return {code, out.str(), err.str()};
-}
-
-fs::path write_file(const std::string& name, const std::string& content)
-{
-    // Each test is a process of its own under ctest: a shared file could be read half written.
-    const fs::path directory =
-        fs::path{testing::TempDir()} / ("occlude_cli_test_" + std::to_string(getpid()));
-    fs::create_directories(directory);
-    std::ofstream{directory / name} << content;
-    return directory / name;
-}
-
-// A wall before a smaller quad, as a file.
-std::string scene_file()
-{
-    return write_file("wall.obj", "o wall\nv -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nf 1 2 3 4\n"
-                                  "o behind\nv -1 -1 -2\nv 1 -1 -2\nv 1 1 -2\nv -1 1 -2\n"
-                                  "f 5 6 7 8\n")
-        .string();
-}
-
-std::vector<std::string> small(std::vector<std::string> arguments)
-{
-    const std::vector<std::string> rest = {"--device", "cpu", "--size", "40x30"};
-    arguments.insert(arguments.end(), rest.begin(), rest.end());
-    return arguments;
-}
-
-// The program ends with 2, prints nothing to `out`, and one line to `err` that has all of `parts`.
-void expect_refused(const std::vector<std::string>& arguments,
-                    const std::vector<std::string>& parts)
-{
-    const Outcome outcome = run(arguments);
-    const std::string command = testing::PrintToString(arguments);
-    EXPECT_EQ(outcome.code, 2) << command;
-    EXPECT_EQ(outcome.out, "") << command;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-    EXPECT_EQ(outcome.err.rfind("occlude: ", 0), 0u) << outcome.err;
-    for (const std::string& part : parts) {
-        EXPECT_NE(outcome.err.find(part), std::string::npos) << part << " in: " << outcome.err;
-    }
-}
-
-} // namespace
 
 TEST(Cli, HelpExitsWithZeroAndNamesEveryCommand)
 {
@@ -305,75 +239,6 @@ TEST(Cli, MovingScenesAreVerifiedOnEveryHierarchyAndSaidToMove)
     const Outcome info = run(small({"info", scene}));
     EXPECT_NE(info.out.find("60, moving, 15 of them appear and vanish"), std::string::npos)
         << info.out;
-}
-
-TEST(Cli, FramesThatShowNothingProveNothing)
-{
-    const std::string away =
-        write_file("away.json", R"({"version":1,"frames":[{"eye":[0,0,50],"target":[0,0,90]},
-                                 {"eye":[0,0,60],"target":[0,0,90]}]})")
-            .string();
-    const std::string json = (fs::path{away}.parent_path() / "away_out.json").string();
-    for (const char* command : {"verify", "bench"}) {
-        const Outcome outcome = run(
-            small({command, scene_file(), "--path", away, "--algorithms", "chc", "--json", json}));
-        EXPECT_EQ(outcome.code, 3) << outcome.out << outcome.err;
-        EXPECT_NE(outcome.out.find("nothing was in view in any of the 2 frames"), std::string::npos)
-            << outcome.out;
-        const auto document = nlohmann::json::parse(std::ifstream{json});
-        EXPECT_EQ(document["evidence"]["empty_frames"], 2);
-        EXPECT_EQ(document["evidence"]["hiding_frames"], 0);
-    }
-}
-
-TEST(Cli, NothingHiddenIsSaidAndMayBeExpected)
-{
-    const std::string quad =
-        write_file("quad.obj", "o quad\nv -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nf 1 2 3 4\n")
-            .string();
-    const std::vector<std::string> verify =
-        small({"verify", quad, "--path", "orbit", "--algorithms", "chc", "--frames", "4"});
-    const Outcome strict = run(verify);
-    EXPECT_EQ(strict.code, 3) << strict.out << strict.err;
-    EXPECT_NE(strict.out.find("Nothing was hidden"), std::string::npos) << strict.out;
-    std::vector<std::string> expected = verify;
-    expected.emplace_back("--nothing-hidden-is-fine");
-    EXPECT_EQ(run(expected).code, 0);
-    const Outcome bench =
-        run(small({"bench", quad, "--path", "orbit", "--algorithms", "chc", "--frames", "4"}));
-    EXPECT_EQ(bench.code, 0) << "a measurement all the same";
-    EXPECT_NE(bench.out.find("Nothing was hidden"), std::string::npos) << bench.out;
-}
-
-TEST(Cli, WhatIsLeftOutOfAFileIsSaidAndStrictRefusesIt)
-{
-    const std::string file =
-        write_file("flat.obj", "o a\nv 0 0 0\nv 4 0 0\nv 0 4 0\nv 9 9 9\nf 1 2 3\nf 1 1 4\n")
-            .string();
-    const Outcome info = run(small({"info", file, "--unit", "cm", "--up", "z"}));
-    EXPECT_EQ(info.code, 0) << info.err;
-    EXPECT_NE(info.out.find("1 of 2 in the file"), std::string::npos) << info.out;
-    EXPECT_NE(info.out.find("1 triangles without area"), std::string::npos) << info.out;
-    EXPECT_NE(info.out.find("100 units a metre (as --unit says"), std::string::npos) << info.out;
-    EXPECT_NE(info.out.find("up is +z (as --up says"), std::string::npos) << info.out;
-    expect_refused(small({"info", file, "--strict"}), {"flat.obj", "--strict", "without area"});
-    expect_refused({"info", file, "--unit", "furlong"}, {"--unit", "furlong", "mm"});
-    expect_refused({"info", file, "--up", "w"}, {"--up", "'w'"});
-    expect_refused({"info", file, "--origin", "1,2"}, {"--origin", "'1,2'", "X,Y,Z"});
-}
-
-TEST(Cli, ConvertWritesMetresWithYUp)
-{
-    const std::string town = write_file("town.obj", "o house\nv 0 0 0\nv 8000 0 0\nv 0 8000 0\n"
-                                                    "v 0 0 3000\nf 1 2 3\nf 1 2 4\nf 1 3 4\n")
-                                 .string();
-    const std::string glb = (fs::path{town}.parent_path() / "town.glb").string();
-    const Outcome convert = run({"convert", town, "--out", glb, "--unit", "mm", "--up", "z"});
-    ASSERT_EQ(convert.code, 0) << convert.err;
-    const Outcome info = run(small({"info", glb}));
-    ASSERT_EQ(info.code, 0) << info.err;
-    EXPECT_NE(info.out.find("to (8, 3, "), std::string::npos) << info.out;
-    expect_refused({"convert", town, "--out", "town.obj"}, {"--out", ".glb"});
 }
 
 TEST(Cli, RenderWritesPngFilesOfTheSizeAskedFor)

@@ -1,0 +1,78 @@
+// What the commands say about scene files, and about frames that prove nothing.
+#include "tools/cli_runner.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace occlude::tools {
+
+TEST(Cli, FramesThatShowNothingProveNothing)
+{
+    const std::string away =
+        write_file("away.json", R"({"version":1,"frames":[{"eye":[0,0,50],"target":[0,0,90]},
+                                 {"eye":[0,0,60],"target":[0,0,90]}]})")
+            .string();
+    const std::string json = (fs::path{away}.parent_path() / "away_out.json").string();
+    for (const char* command : {"verify", "bench"}) {
+        const Outcome outcome = run(
+            small({command, scene_file(), "--path", away, "--algorithms", "chc", "--json", json}));
+        EXPECT_EQ(outcome.code, 3) << outcome.out << outcome.err;
+        EXPECT_NE(outcome.out.find("nothing was in view in any of the 2 frames"), std::string::npos)
+            << outcome.out;
+        const auto document = nlohmann::json::parse(std::ifstream{json});
+        EXPECT_EQ(document["evidence"]["empty_frames"], 2);
+        EXPECT_EQ(document["evidence"]["hiding_frames"], 0);
+    }
+}
+
+TEST(Cli, NothingHiddenIsSaidAndMayBeExpected)
+{
+    const std::string quad =
+        write_file("quad.obj", "o quad\nv -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nf 1 2 3 4\n")
+            .string();
+    const std::vector<std::string> verify =
+        small({"verify", quad, "--path", "orbit", "--algorithms", "chc", "--frames", "4"});
+    const Outcome strict = run(verify);
+    EXPECT_EQ(strict.code, 3) << strict.out << strict.err;
+    EXPECT_NE(strict.out.find("Nothing was hidden"), std::string::npos) << strict.out;
+    std::vector<std::string> expected = verify;
+    expected.emplace_back("--nothing-hidden-is-fine");
+    EXPECT_EQ(run(expected).code, 0);
+    const Outcome bench =
+        run(small({"bench", quad, "--path", "orbit", "--algorithms", "chc", "--frames", "4"}));
+    EXPECT_EQ(bench.code, 0) << "a measurement all the same";
+    EXPECT_NE(bench.out.find("Nothing was hidden"), std::string::npos) << bench.out;
+}
+
+TEST(Cli, WhatIsLeftOutOfAFileIsSaidAndStrictRefusesIt)
+{
+    const std::string file =
+        write_file("flat.obj", "o a\nv 0 0 0\nv 4 0 0\nv 0 4 0\nv 9 9 9\nf 1 2 3\nf 1 1 4\n")
+            .string();
+    const Outcome info = run(small({"info", file, "--unit", "cm", "--up", "z"}));
+    EXPECT_EQ(info.code, 0) << info.err;
+    EXPECT_NE(info.out.find("1 of 2 in the file"), std::string::npos) << info.out;
+    EXPECT_NE(info.out.find("1 triangles without area"), std::string::npos) << info.out;
+    EXPECT_NE(info.out.find("100 units a metre (as --unit says"), std::string::npos) << info.out;
+    EXPECT_NE(info.out.find("up is +z (as --up says"), std::string::npos) << info.out;
+    expect_refused(small({"info", file, "--strict"}), {"flat.obj", "--strict", "without area"});
+    expect_refused({"info", file, "--unit", "furlong"}, {"--unit", "furlong", "mm"});
+    expect_refused({"info", file, "--up", "w"}, {"--up", "'w'"});
+    expect_refused({"info", file, "--origin", "1,2"}, {"--origin", "'1,2'", "X,Y,Z"});
+}
+
+TEST(Cli, ConvertWritesMetresWithYUp)
+{
+    const std::string town = write_file("town.obj", "o house\nv 0 0 0\nv 8000 0 0\nv 0 8000 0\n"
+                                                    "v 0 0 3000\nf 1 2 3\nf 1 2 4\nf 1 3 4\n")
+                                 .string();
+    const std::string glb = (fs::path{town}.parent_path() / "town.glb").string();
+    const Outcome convert = run({"convert", town, "--out", glb, "--unit", "mm", "--up", "z"});
+    ASSERT_EQ(convert.code, 0) << convert.err;
+    const Outcome info = run(small({"info", glb}));
+    ASSERT_EQ(info.code, 0) << info.err;
+    EXPECT_NE(info.out.find("to (8, 3, "), std::string::npos) << info.out;
+    expect_refused({"convert", town, "--out", "town.obj"}, {"--out", ".glb"});
+}
+
+} // namespace occlude::tools
