@@ -11,19 +11,38 @@
 
 namespace occlude {
 
-// A plane at unit normal. Planes whose normal vanishes beside `scale`, the length of the w row's
-// normal, bound nothing: they are the far planes of infinite projections after rounding.
-static glm::vec4 normalized_plane(const glm::dvec4& plane, double scale)
+// Rounding of centre, extent and dot product: a few ulps of the largest term.
+static constexpr float kSlop = 1e-6f;
+
+// A plane whose normal vanishes beside `scale`, the length of the normal of the row of w, bounds
+// nothing: it is the far plane of an infinite projection after rounding.
+void Frustum::set_plane(Plane which, const glm::dvec4& relative_plane, const glm::dvec3& origin,
+                        double scale, double rounding)
 {
-    const double length = glm::length(glm::dvec3{plane});
-    const bool bounds =
-        std::isfinite(length) && std::isfinite(plane.w) && length > 0.0 && length > 1e-6 * scale;
-    return bounds ? glm::vec4{plane / length} : glm::vec4{0.0f};
+    const double length = glm::length(glm::dvec3{relative_plane});
+    const bool bounds = std::isfinite(length) && std::isfinite(relative_plane.w) && length > 0.0 &&
+                        length > 1e-6 * scale;
+    if (!bounds) {
+        return;
+    }
+    const glm::dvec4 plane = relative_plane / length;
+    const glm::dvec3 normal{plane};
+    planes_[which] = glm::vec4{glm::dvec4{normal, plane.w - glm::dot(normal, origin)}};
+    const double offset = plane.w + glm::dot(normal, glm::dvec3{origin_} - origin);
+    from_origin_[which] = glm::vec4{glm::dvec4{normal, offset}};
+    lanes_.x[which] = from_origin_[which].x;
+    lanes_.y[which] = from_origin_[which].y;
+    lanes_.z[which] = from_origin_[which].z;
+    lanes_.w[which] = from_origin_[which].w;
+    lanes_.slop[which] =
+        std::abs(from_origin_[which].w) + static_cast<float>(rounding / length / double{kSlop});
 }
 
-Frustum Frustum::from_clip(const glm::mat4& clip_from_world, ClipConvention convention)
+Frustum Frustum::from_relative(const glm::dmat4& clip_from_relative, const glm::dvec3& origin,
+                               ClipConvention convention, const glm::vec4& rounding,
+                               bool ignores_near_plane)
 {
-    const glm::dmat4 rows = glm::transpose(glm::dmat4{clip_from_world});
+    const glm::dmat4 rows = glm::transpose(clip_from_relative);
     const glm::dvec4 x = rows[0];
     const glm::dvec4 y = rows[1];
     const glm::dvec4 z = rows[2];
@@ -35,20 +54,26 @@ Frustum Frustum::from_clip(const glm::mat4& clip_from_world, ClipConvention conv
 
     // Rows (Gribb and Hartmann 2001): a point is inside where w + x >= 0, and so on.
     const double scale = glm::length(glm::dvec3{w});
+    const glm::dvec4 slop = glm::dvec4{rounding} + double{rounding.w};
     Frustum frustum;
-    frustum.planes_[left] = normalized_plane(w + x, scale);
-    frustum.planes_[right] = normalized_plane(w - x, scale);
-    frustum.planes_[bottom] = normalized_plane(w + y, scale);
-    frustum.planes_[top] = normalized_plane(w - y, scale);
-    frustum.planes_[near] = normalized_plane(reversed ? high_z : low_z, scale);
-    frustum.planes_[far] = normalized_plane(reversed ? low_z : high_z, scale);
-    for (size_t i = 0; i < plane_count; ++i) {
-        frustum.lanes_.x[i] = frustum.planes_[i].x;
-        frustum.lanes_.y[i] = frustum.planes_[i].y;
-        frustum.lanes_.z[i] = frustum.planes_[i].z;
-        frustum.lanes_.w[i] = frustum.planes_[i].w;
+    frustum.origin_ = glm::vec3{origin};
+    frustum.set_plane(left, w + x, origin, scale, slop.x);
+    frustum.set_plane(right, w - x, origin, scale, slop.x);
+    frustum.set_plane(bottom, w + y, origin, scale, slop.y);
+    frustum.set_plane(top, w - y, origin, scale, slop.y);
+    frustum.set_plane(near, reversed ? high_z : low_z, origin, scale, slop.z);
+    frustum.set_plane(far, reversed ? low_z : high_z, origin, scale, slop.z);
+    if (ignores_near_plane) {
+        frustum.lanes_.x[near] = frustum.lanes_.y[near] = frustum.lanes_.z[near] = 0.0f;
+        frustum.lanes_.w[near] = frustum.lanes_.slop[near] = 0.0f;
     }
     return frustum;
+}
+
+Frustum Frustum::from_clip(const glm::mat4& clip_from_world, ClipConvention convention)
+{
+    return from_relative(glm::dmat4{clip_from_world}, glm::dvec3{0.0}, convention, glm::vec4{0.0f},
+                         false);
 }
 
 // Four planes at once. Sums are in the order of glm::dot, so that answers are those of a loop over
@@ -62,10 +87,10 @@ Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
     if (mask == 0) {
         return Containment::inside;
     }
-    // Rounding of centre, extent and dot product: a few ulps of the largest term.
-    constexpr float kSlop = 1e-6f;
-    const glm::vec3 center = box.center();
-    const glm::vec3 half = 0.5f * box.extent();
+    // Corners first: far from the world's origin a centre would round more than they do.
+    const Aabb relative{box.min - origin_, box.max - origin_};
+    const glm::vec3 center = relative.center();
+    const glm::vec3 half = 0.5f * relative.extent();
     const glm::vec3 far_from_origin = detail::absolute(center);
     uint32_t outside = 0;
     uint32_t inside = 0;
@@ -77,7 +102,7 @@ Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
         const Float4 distance = x * center.x + y * center.y + z * center.z + w;
         const Float4 reach = abs4(x) * half.x + abs4(y) * half.y + abs4(z) * half.z;
         const Float4 slop = kSlop * (abs4(x) * far_from_origin.x + abs4(y) * far_from_origin.y +
-                                     abs4(z) * far_from_origin.z + abs4(w) + reach);
+                                     abs4(z) * far_from_origin.z + load4(&lanes_.slop[i]) + reach);
         outside |= bits_of(distance + reach < -slop) << i;
         inside |= bits_of(distance - reach >= slop) << i;
     }
@@ -96,17 +121,16 @@ Containment Frustum::classify_sphere(const glm::vec3& center, float radius, Plan
     if (!std::isfinite(glm::dot(center, center) + radius)) {
         return Containment::intersects;
     }
-    constexpr float kSlop = 1e-6f; // as for boxes
-    for (size_t i = 0; i < planes_.size(); ++i) {
+    const glm::vec3 offset = center - origin_;
+    for (size_t i = 0; i < plane_count; ++i) {
         const auto bit = static_cast<PlaneMask>(1u << i);
         if ((mask & bit) == 0) {
             continue;
         }
-        const glm::vec3 normal{planes_[i]};
-        const float offset = planes_[i].w;
-        const float distance = glm::dot(normal, center) + offset;
-        const float slop = kSlop * (glm::dot(detail::absolute(normal), detail::absolute(center)) +
-                                    std::abs(offset) + radius);
+        const glm::vec3 normal{lanes_.x[i], lanes_.y[i], lanes_.z[i]};
+        const float distance = glm::dot(normal, offset) + lanes_.w[i];
+        const float slop = kSlop * (glm::dot(detail::absolute(normal), detail::absolute(offset)) +
+                                    lanes_.slop[i] + radius);
         const bool bounds_nothing = normal == glm::vec3{0.0f};
         if (!bounds_nothing && distance + radius < -slop) {
             return Containment::outside;

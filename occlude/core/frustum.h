@@ -48,9 +48,19 @@ public:
     /// infinite projection) and a plane that is not finite never cull.
     static Frustum from_clip(const glm::mat4& clip_from_world, ClipConvention convention);
 
+    /// The same of a matrix that maps (position - origin) to clip space; classify() takes boxes in
+    /// world space, and measures from the origin. `rounding`: by how much a device may be off in
+    /// clip space, besides the rounding of the distance from the origin; what is outside by less is
+    /// not called outside. With `ignores_near_plane` the near plane culls nothing.
+    static Frustum from_relative(const glm::dmat4& clip_from_relative, const glm::dvec3& origin,
+                                 ClipConvention convention, const glm::vec4& rounding,
+                                 bool ignores_near_plane);
+
     /// A plane as (normal, offset): points inside have dot(normal, p) + offset >= 0. Normals have
     /// length 1, so that the value is the distance in world units; (0, 0, 0, 0) bounds nothing.
     const glm::vec4& plane(Plane which) const { return planes_[which]; }
+    /// The same with the offset of (position - origin), the origin rounded to float.
+    const glm::vec4& plane_from_origin(Plane which) const { return from_origin_[which]; }
 
     /// Where `box` lies, testing only the planes in `mask`; clears the bits of the planes that the
     /// whole box is inside of. `inside` is certain; `outside` is certain; `intersects` is what is
@@ -80,9 +90,16 @@ private:
     // The planes again, side by side, for tests of four at once; two of the eight bound nothing.
     struct Lanes {
         std::array<float, 8> x{}, y{}, z{}, w{};
+        std::array<float, 8>
+            slop{}; ///< what is added to the terms that round, besides those of x, y, z
     };
 
+    void set_plane(Plane which, const glm::dvec4& relative_plane, const glm::dvec3& origin,
+                   double scale, double rounding);
+
+    glm::vec3 origin_{0.0f};
     std::array<glm::vec4, plane_count> planes_{};
+    std::array<glm::vec4, plane_count> from_origin_{};
     Lanes lanes_;
 };
 

@@ -52,10 +52,8 @@ bool touches_near(const QueryBox& box, const View& view)
         return view.touches_near(box.box);
     }
     const glm::mat4& world_from_box = *box.world_from_box;
-    const View box_view =
-        View::from_clip(view.clip_from_world() * world_from_box, view.size_px(), view.convention());
     return view.touches_near(transformed(world_from_box, box.box)) &&
-           box_view.touches_near(box.box);
+           view.in_object(world_from_box).touches_near(box.box);
 }
 
 } // namespace

@@ -27,25 +27,34 @@ namespace occlude {
 
 namespace detail {
 
-static constexpr double kSlop = 20.0 * 0x1p-24;
-
-static glm::dmat4 magnitude(const glm::mat4& m)
-{
-    return {detail::absolute(glm::dvec4{m[0]}), detail::absolute(glm::dvec4{m[1]}),
-            detail::absolute(glm::dvec4{m[2]}), detail::absolute(glm::dvec4{m[3]})};
-}
+// In units of what View::clip_rounding() allows a device, which is 8 u S.
+static constexpr double kSlopOverDevice = 20.0 / 8.0;
 
 static float inset_px(SamplePositions samples)
 {
     return samples == SamplePositions::center ? 0.5f : 0.0f;
 }
 
+static glm::dmat4 magnitude(const glm::dmat4& m)
+{
+    return {detail::absolute(m[0]), detail::absolute(m[1]), detail::absolute(m[2]),
+            detail::absolute(m[3])};
+}
+
+// What View::clip_rounding() says of coordinates, column by column.
+static glm::dmat4 rounding_of(const View& view)
+{
+    const glm::vec4 constant = view.clip_rounding(glm::vec3{0.0f});
+    return {view.clip_rounding({1.0f, 0.0f, 0.0f}) - constant,
+            view.clip_rounding({0.0f, 1.0f, 0.0f}) - constant,
+            view.clip_rounding({0.0f, 0.0f, 1.0f}) - constant, constant};
+}
+
 BoxProjector::BoxProjector(const View& view, SamplePositions samples)
     : inflation(view.inflation())
     , sample_inset_px(inset_px(samples))
 {
-    const glm::mat4& clip = view.clip_from_world();
-    set_columns(view, glm::dmat4{clip}, magnitude(clip));
+    set_columns(view, view.clip_from_relative(), rounding_of(view));
 }
 
 BoxProjector::BoxProjector(const View& view, const glm::mat4& world_from_box,
@@ -53,23 +62,53 @@ BoxProjector::BoxProjector(const View& view, const glm::mat4& world_from_box,
     : inflation(own_inflation)
     , sample_inset_px(inset_px(samples))
 {
-    const glm::mat4& clip = view.clip_from_world();
-    // A device goes by way of the world, and so do the terms that it rounds.
-    set_columns(view, glm::dmat4{clip} * glm::dmat4{world_from_box},
-                magnitude(clip) * magnitude(world_from_box));
+    set_object_columns(view, world_from_box);
 }
 
-void BoxProjector::set_columns(const View& view, const glm::dmat4& clip,
-                               const glm::dmat4& magnitude)
+BoxProjector::BoxProjector(const View& view, const glm::mat4& world_from_box)
+    : inflation(view.inflation().in(world_from_box, inverse_stretch(world_from_box)))
+{
+    inflation = {.per_diagonal = 0.0f, .per_coordinate = 0.0f, .origin = inflation.origin};
+    set_object_columns(view, world_from_box);
+}
+
+BoxProjector BoxProjector::of_tests(const View& view)
+{
+    BoxProjector projector{view, SamplePositions::anywhere};
+    projector.inflation = {
+        .per_diagonal = 0.0f, .per_coordinate = 0.0f, .origin = projector.inflation.origin};
+    return projector;
+}
+
+// A device goes by way of the world, and so do the terms that it rounds: those of the object's own
+// coordinates and those of its place.
+void BoxProjector::set_object_columns(const View& view, const glm::mat4& world_from_box)
+{
+    const glm::dmat4 map{world_from_box};
+    const glm::dmat4 linear{glm::dmat3{map}};
+    const glm::dvec3 origin{inflation.origin};
+    const glm::dvec3 place = glm::dvec3{map[3]} - view.origin();
+    glm::dmat4 clip = view.clip_from_relative() * linear;
+    clip[3] = view.clip_from_relative() * glm::dvec4{glm::dmat3{map} * origin + place, 1.0};
+    const glm::dmat4 rounding = rounding_of(view);
+    glm::dmat4 error = rounding * magnitude(linear);
+    error[3] =
+        rounding * glm::dvec4{glm::abs(place), 1.0} + error * glm::dvec4{glm::abs(origin), 0.0};
+    set_columns(view, clip, error);
+}
+
+// `clip`: from (point - inflation.origin) to clip space; `rounding`: as View::clip_rounding().
+void BoxProjector::set_columns(const View& view, const glm::dmat4& clip, const glm::dmat4& rounding)
 {
     size = glm::vec2{glm::max(view.size_px(), glm::ivec2{0})};
     everywhere.rect = {0, 0, static_cast<int>(size.x), static_cast<int>(size.y)};
-    usable = glm::vec3{view.frustum().plane(Frustum::near)} != glm::vec3{0.0f};
+    usable = view.usable();
+    least_depth = view.ignores_near_plane() ? -Aabb::kInfinity : 0.0f;
     const ClipConvention convention = view.convention();
     const glm::dvec2 half_size = 0.5 * glm::dvec2{size};
     for (int k = 0; k < 4; ++k) {
         glm::dvec4 c = clip[k];
-        glm::dvec4 e = magnitude[k];
+        glm::dvec4 e = rounding[k];
         c.x = half_size.x * (c.x + c.w);
         e.x = half_size.x * (e.x + e.w);
         c.y = half_size.y * (c.y + c.w);
@@ -83,7 +122,7 @@ void BoxProjector::set_columns(const View& view, const glm::dmat4& clip,
             e.z += e.w;
         }
         column[static_cast<size_t>(k)] = glm::vec4{c};
-        slop[static_cast<size_t>(k)] = glm::vec4{kSlop * e};
+        slop[static_cast<size_t>(k)] = glm::vec4{kSlopOverDevice * e};
     }
 }
 
@@ -133,14 +172,14 @@ void BoxProjector::project(const Aabb& box, ScreenBounds& bounds) const
         return;
     }
     const float margin = inflation.margin(box);
-    const glm::vec3 low = box.min - margin;
-    const glm::vec3 high = box.max + margin;
+    const glm::vec3 low = (box.min - inflation.origin) - margin;
+    const glm::vec3 high = (box.max - inflation.origin) + margin;
     const glm::vec3 reach = glm::max(detail::absolute(low), detail::absolute(high));
     const Float4 s = lanes(slop[0]) * reach.x + lanes(slop[1]) * reach.y +
                      lanes(slop[2]) * reach.z + lanes(slop[3]);
     const Corners c = all_corners(column, low, high);
     // Written so that a NaN from overflow says no.
-    const bool certain = bits_of(s < kLargestSlop) == 0xfu && c.least[2] > s[2] &&
+    const bool certain = bits_of(s < kLargestSlop) == 0xfu && c.least[2] > s[2] + least_depth &&
                          c.least[3] > 2.0f * s[3] && c.least[3] > kSmallestW;
     if (!certain) {
         bounds = everywhere;
@@ -170,7 +209,7 @@ void project_query_boxes(const View& view, std::span<const QueryBox> boxes,
                          std::span<ScreenBounds> bounds)
 {
     OCCLUDE_ASSERT(boxes.size() == bounds.size(), "project_query_boxes needs one result per box");
-    const detail::BoxProjector from_world{view, glm::mat4{1.0f}};
+    const detail::BoxProjector from_world = detail::BoxProjector::of_tests(view);
     for (size_t i = 0; i < boxes.size(); ++i) {
         const glm::mat4* world_from_box = boxes[i].world_from_box;
         if (world_from_box == nullptr) {

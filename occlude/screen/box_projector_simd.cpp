@@ -99,28 +99,31 @@ HWY_INLINE void classify(const Boxes& b, M& empty, M& bounded)
     bounded = hn::And(below, hn::And(hn::Gt(lowest, hn::Neg(inf)), hn::Lt(highest, inf)));
 }
 
-// Inflation::margin.
-HWY_INLINE V margin_of(const Inflation& rule, const Boxes& b)
+// The box as seen from `origin`.
+HWY_INLINE Boxes relative_to(const glm::vec3& origin, const Boxes& b)
 {
-    const V half = hn::Set(kF, 0.5f);
-    const V3 extent{hn::Sub(b.max.x, b.min.x), hn::Sub(b.max.y, b.min.y),
-                    hn::Sub(b.max.z, b.min.z)};
-    const V3 half_extent{hn::Mul(half, extent.x), hn::Mul(half, extent.y), hn::Mul(half, extent.z)};
-    const V3 center{hn::Add(hn::Mul(half, b.min.x), hn::Mul(half, b.max.x)),
-                    hn::Add(hn::Mul(half, b.min.y), hn::Mul(half, b.max.y)),
-                    hn::Add(hn::Mul(half, b.min.z), hn::Mul(half, b.max.z))};
+    const V3 o{hn::Set(kF, origin.x), hn::Set(kF, origin.y), hn::Set(kF, origin.z)};
+    return {{hn::Sub(b.min.x, o.x), hn::Sub(b.min.y, o.y), hn::Sub(b.min.z, o.z)},
+            {hn::Sub(b.max.x, o.x), hn::Sub(b.max.y, o.y), hn::Sub(b.max.z, o.z)}};
+}
+
+// Inflation::margin, of a box and the same relative to the origin.
+HWY_INLINE V margin_of(const Inflation& rule, const Boxes& box, const Boxes& b)
+{
+    const V3 extent{hn::Sub(box.max.x, box.min.x), hn::Sub(box.max.y, box.min.y),
+                    hn::Sub(box.max.z, box.min.z)};
     const V4 row = set(rule.row_w);
-    const V3 toward{row.x, row.y, row.z};
-    const V3 sideways{hn::Abs(row.x), hn::Abs(row.y), hn::Abs(row.z)};
-    const V largest_w = hn::Add(hn::Add(dot(toward, center), row.w), dot(sideways, half_extent));
+    const V most_x = hn::Max(hn::Mul(row.x, b.min.x), hn::Mul(row.x, b.max.x));
+    const V most_y = hn::Max(hn::Mul(row.y, b.min.y), hn::Mul(row.y, b.max.y));
+    const V most_z = hn::Max(hn::Mul(row.z, b.min.z), hn::Mul(row.z, b.max.z));
+    const V largest_w = hn::Add(hn::Add(hn::Add(most_x, most_y), most_z), row.w);
     const V magnitude = hn::Max(hn::Max(hn::Max(hn::Abs(b.min.x), hn::Abs(b.max.x)),
                                         hn::Max(hn::Abs(b.min.y), hn::Abs(b.max.y))),
                                 hn::Max(hn::Abs(b.min.z), hn::Abs(b.max.z)));
-    const V coordinate = hn::Max(magnitude, hn::Set(kF, rule.reach));
+    const V distance = hn::Add(magnitude, hn::Set(kF, rule.reach));
     const V pixels = hn::Mul(hn::Set(kF, rule.per_w), hn::Max(largest_w, hn::Zero(kF)));
     const V diagonal = hn::Mul(hn::Set(kF, rule.per_diagonal), hn::Sqrt(dot(extent, extent)));
-    return hn::Add(hn::Add(pixels, diagonal),
-                   hn::Mul(hn::Set(kF, rule.per_coordinate), coordinate));
+    return hn::Add(hn::Add(pixels, diagonal), hn::Mul(hn::Set(kF, rule.per_coordinate), distance));
 }
 
 // One corner, and what is kept of all of them.
@@ -220,11 +223,12 @@ HWY_INLINE void project_vector(const detail::BoxProjector& p, const Aabb* boxes,
     M empty, bounded;
     classify(box, empty, bounded);
 
-    const V margin = margin_of(p.inflation, box);
-    const V3 low{hn::Sub(box.min.x, margin), hn::Sub(box.min.y, margin),
-                 hn::Sub(box.min.z, margin)};
-    const V3 high{hn::Add(box.max.x, margin), hn::Add(box.max.y, margin),
-                  hn::Add(box.max.z, margin)};
+    const Boxes seen = relative_to(p.inflation.origin, box);
+    const V margin = margin_of(p.inflation, box, seen);
+    const V3 low{hn::Sub(seen.min.x, margin), hn::Sub(seen.min.y, margin),
+                 hn::Sub(seen.min.z, margin)};
+    const V3 high{hn::Add(seen.max.x, margin), hn::Add(seen.max.y, margin),
+                  hn::Add(seen.max.z, margin)};
     const V4 s = plus(plus(plus(times(set(p.slop[0]), hn::Max(hn::Abs(low.x), hn::Abs(high.x))),
                                 times(set(p.slop[1]), hn::Max(hn::Abs(low.y), hn::Abs(high.y)))),
                            times(set(p.slop[2]), hn::Max(hn::Abs(low.z), hn::Abs(high.z)))),
@@ -234,8 +238,8 @@ HWY_INLINE void project_vector(const detail::BoxProjector& p, const Aabb* boxes,
     const V largest_slop = hn::Set(kF, detail::BoxProjector::kLargestSlop);
     M known = hn::And(hn::And(hn::Lt(s.x, largest_slop), hn::Lt(s.y, largest_slop)),
                       hn::And(hn::Lt(s.z, largest_slop), hn::Lt(s.w, largest_slop)));
-    known = hn::And(
-        known, hn::And(hn::Gt(c.least_z, s.z), hn::Gt(c.least_w, hn::Mul(hn::Set(kF, 2.0f), s.w))));
+    known = hn::And(known, hn::And(hn::Gt(c.least_z, hn::Add(s.z, hn::Set(kF, p.least_depth))),
+                                   hn::Gt(c.least_w, hn::Mul(hn::Set(kF, 2.0f), s.w))));
     known = hn::And(known, hn::Gt(c.least_w, hn::Set(kF, detail::BoxProjector::kSmallestW)));
     const M usable = hn::RebindMask(kF, hn::Ne(hn::Set(kI, p.usable ? 1 : 0), hn::Zero(kI)));
     known = hn::And(known, hn::And(bounded, usable));

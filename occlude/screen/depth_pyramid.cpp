@@ -24,6 +24,10 @@ std::span<float> DepthPyramid::resize(glm::ivec2 size_px)
         levels_.clear();
         size_t texels = 0;
         glm::ivec2 size = size_px;
+        if (size.y > 0 &&
+            static_cast<size_t>(std::max(size.x, 0)) > kMaxPixels / static_cast<size_t>(size.y)) {
+            size = glm::ivec2{0};
+        }
         while (size.x > 0 && size.y > 0) {
             levels_.push_back({size, texels});
             texels += static_cast<size_t>(size.x) * static_cast<size_t>(size.y);

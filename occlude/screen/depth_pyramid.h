@@ -44,8 +44,13 @@ public:
         pixels, ///< coarse levels first, then down to the pixels where that decides
     };
 
+    /// Targets of more pixels than this get no pyramid: no graphics API has them, and a host that
+    /// asks for one by mistake must not run out of memory.
+    static constexpr size_t kMaxPixels = size_t{1} << 28;
+
     /// Makes room for a target of this size and gives level 0 to be filled, row by row from the
-    /// bottom: window depth, 0 near to 1 far, no NaN. Then call build().
+    /// bottom: window depth, 0 near to 1 far, no NaN. Then call build(). Empty, and so is the
+    /// pyramid, for a target without pixels or of more than kMaxPixels.
     std::span<float> resize(glm::ivec2 size_px);
 
     /// Makes the coarse levels from level 0.

@@ -13,15 +13,11 @@ namespace occlude {
 
 namespace {
 
-// A device transforms in float, perhaps to world space first: so many roundings of the largest term
-// lie between its clip coordinates and ours.
-constexpr double kTransformSlop = 8.0 * 0x1p-24;
-
-// How far a device may be off in clip coordinates, for points whose coordinates are up to `reach`.
-glm::dvec4 clip_slop(const glm::dmat4& clip, const glm::dvec3& reach)
+// How far a device may be off in clip coordinates, for points whose coordinates relative to the
+// view's origin are up to `reach`.
+glm::dvec4 clip_slop(const View& view, const glm::dvec3& reach)
 {
-    return kTransformSlop * (glm::abs(clip[0]) * reach.x + glm::abs(clip[1]) * reach.y +
-                             glm::abs(clip[2]) * reach.z + glm::abs(clip[3]));
+    return glm::dvec4{view.clip_rounding(glm::vec3{reach})};
 }
 
 // Makes z run from 0 (near) to w (far) in every convention; `slop` is what clip_slop says of both.
@@ -57,14 +53,15 @@ ScreenPoint to_screen(glm::dvec4 c, glm::dvec4 slop, ClipConvention convention)
 }
 
 // Where normalised x, y at window depth `depth` is in the world; NaN if it is not before the eye.
-glm::dvec3 unproject(const glm::dmat4& world_from_clip, const View& view, double x, double y,
+glm::dvec3 unproject(const glm::dmat4& relative_from_clip, const View& view, double x, double y,
                      double depth)
 {
     const ClipConvention convention = view.convention();
     double z = convention.order == DepthOrder::near_is_large ? 1.0 - depth : depth;
     z = convention.range == DepthRange::minus_one_to_one ? 2.0 * z - 1.0 : z;
-    const glm::dvec4 p = world_from_clip * glm::dvec4{x, y, z, 1.0};
-    return p.w > 0.0 ? glm::dvec3{p} / p.w : glm::dvec3{std::numeric_limits<double>::quiet_NaN()};
+    const glm::dvec4 p = relative_from_clip * glm::dvec4{x, y, z, 1.0};
+    return p.w > 0.0 ? glm::dvec3{p} / p.w + view.origin()
+                     : glm::dvec3{std::numeric_limits<double>::quiet_NaN()};
 }
 
 // The farthest that a device may draw the unit square under `world_from_unit`, or infinity if its
@@ -74,16 +71,17 @@ double farthest_if_covering(const View& view, const glm::mat4& world_from_unit,
                             const glm::dvec2& low, const glm::dvec2& high, double slack)
 {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const glm::dmat4 clip{view.clip_from_world()};
+    const glm::dmat4& clip = view.clip_from_relative();
+    const glm::dvec4 origin{view.origin(), 0.0};
     double farthest = 0.0;
     for (int k = 0; k < 4; ++k) {
         const glm::dvec4 unit{k & 1, k >> 1, 0.0, 1.0};
-        const glm::dvec4 world = glm::dmat4{world_from_unit} * unit;
+        const glm::dvec4 relative = glm::dmat4{world_from_unit} * unit - origin;
         // The map itself is applied in float as well.
         const glm::dvec3 reach = glm::abs(glm::dvec3{world_from_unit[0]}) +
                                  glm::abs(glm::dvec3{world_from_unit[1]}) +
-                                 glm::abs(glm::dvec3{world_from_unit[3]});
-        const ScreenPoint p = to_screen(clip * world, clip_slop(clip, reach), view.convention());
+                                 glm::abs(glm::dvec3{world_from_unit[3]} - view.origin());
+        const ScreenPoint p = to_screen(clip * relative, clip_slop(view, reach), view.convention());
         const glm::dvec2 sign{(k & 1) != 0 ? 1.0 : -1.0, (k & 2) != 0 ? 1.0 : -1.0};
         const glm::dvec2 inner{(k & 1) != 0 ? high.x : low.x, (k & 2) != 0 ? high.y : low.y};
         const glm::dvec2 beyond = sign * (glm::dvec2{p.at} - inner) - glm::dvec2{p.error};
@@ -108,13 +106,13 @@ std::optional<glm::mat4> world_from_rectangle(const View& view, const PixelRect&
         2.0 * glm::dvec2{rect.x + rect.width, rect.y + rect.height} / size - 1.0;
     const glm::dvec2 outset = 2.0 * kOutsetPixels / size;
     const glm::dvec2 snap = 0.25 * outset; // 1/32 px of it must be left on the device
-    const glm::dmat4 world_from_clip = glm::inverse(glm::dmat4{view.clip_from_world()});
+    const glm::dmat4 relative_from_clip = glm::inverse(view.clip_from_relative());
 
     // First at the depth asked for; then nearer by what a device may draw that farther.
     double at = depth;
     for (int attempt = 0; attempt < 2; ++attempt) {
         const auto corner = [&](double x, double y) {
-            return unproject(world_from_clip, view, x, y, at);
+            return unproject(relative_from_clip, view, x, y, at);
         };
         const glm::dvec3 origin = corner(low.x - outset.x, low.y - outset.y);
         const glm::dvec3 right = corner(high.x + outset.x, low.y - outset.y) - origin;

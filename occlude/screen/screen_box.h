@@ -43,12 +43,15 @@ public:
 private:
     friend class ScreenBox;
     Inflation inflation_;
+    glm::dvec3 origin_{0.0}; ///< that of the view, in the boxes' space
     glm::dvec2 size_px_{0.0};
-    glm::dmat4 world_rows_{1.0};  ///< X, Y, Z and W from (x px, y px, depth, 1), as columns
-    glm::dmat4 screen_rows_{1.0}; ///< x, y, window depth and w of clip space from the world, also
-    glm::dmat4 magnitude_{1.0};   ///< of the terms of these
-    double sample_from_ = 0.0;    ///< samples of a pixel are from here to there in it, along
-    double sample_to_ = 1.0;      ///< both axes
+    glm::dmat4 relative_rows_{1.0}; ///< X, Y, Z and W of (position - origin) from (x px, y px,
+                                    ///< depth, 1), as columns
+    glm::dmat4 screen_rows_{1.0};   ///< x, y, window depth and w of clip space from (position -
+                                    ///< origin), also
+    glm::dmat4 rounding_{0.0};      ///< by how much a device may be off in these
+    double sample_from_ = 0.0;      ///< samples of a pixel are from here to there in it, along
+    double sample_to_ = 1.0;        ///< both axes
 };
 
 class ScreenBox {

@@ -360,6 +360,245 @@ TEST(View, InflationIsEnoughUnderAWideOffCentreFrustum)
     check_pixels(wide, 50.0f, {512, 512}, 65);
 }
 
+TEST(View, KeepsItsViewportItsTagAndWhatItIgnores)
+{
+    const glm::mat4 clip = glm::perspectiveRH_NO(1.0f, 1.5f, 0.1f, 100.0f);
+    const ViewOptions options{
+        .viewport_origin_px = {640, 8}, .tag = 77, .ignores_near_plane = true};
+    for (const View& view :
+         {View::from_clip(clip, kSize, {}, options),
+          View::camera_relative(clip, glm::dvec3{1e7}, kSize, {}, options),
+          View::from_clip(clip, kSize, {}, options).in_object(glm::mat4{2.0f})}) {
+        EXPECT_EQ(view.options(), options);
+        EXPECT_EQ(view.viewport_origin_px(), glm::ivec2(640, 8));
+        EXPECT_EQ(view.tag(), 77u);
+        EXPECT_TRUE(view.ignores_near_plane());
+    }
+    EXPECT_EQ(View::from_clip(clip, kSize).options(), ViewOptions{});
+}
+
+// The same camera, handed over both ways: the same frustum, keys and answers.
+TEST(View, CameraRelativeIsTheSameCamera)
+{
+    Rng rng(71);
+    for (const Projection& projection : test::all_projections()) {
+        const glm::mat4 eye_from_world = test::random_eye_from_world(rng, 20.0f);
+        const glm::dvec3 eye{glm::inverse(glm::dmat4{eye_from_world})[3]};
+        const glm::mat4 turned{glm::mat3{eye_from_world}};
+        const View absolute = View::from_clip(projection.clip_from_eye * eye_from_world, kSize,
+                                              projection.convention);
+        const View relative = View::camera_relative(projection.clip_from_eye * turned, eye, kSize,
+                                                    projection.convention);
+        EXPECT_EQ(relative.orthographic(), absolute.orthographic());
+        for (int i = 0; i < 300; ++i) {
+            const Aabb box = test::random_box(rng, 40.0f, 10.0f);
+            const float key = absolute.distance_key(box);
+            EXPECT_NEAR(relative.distance_key(box), key, 1e-3f * (1.0f + std::abs(key)));
+            EXPECT_EQ(relative.frustum().classify(box), absolute.frustum().classify(box));
+            EXPECT_EQ(relative.touches_near(box), absolute.touches_near(box));
+            // Drawn in world coordinates, positions round more.
+            EXPECT_LE(relative.inflation().margin(box), absolute.inflation().margin(box) * 1.0001f);
+        }
+    }
+}
+
+// 1e7 units away, float counts in steps of 1 and the matrix of the world moves the camera by as
+// much. Relative to the eye nothing of that is left but the rounding of the boxes.
+TEST(View, CameraRelativeKeepsItsPrecisionFarFromTheOrigin)
+{
+    const glm::dvec3 eye{1e7 + 0.25, -3e6 + 0.5, 2e6 - 0.125};
+    const View view =
+        View::camera_relative(glm::perspectiveRH_NO(1.0f, 1.5f, 0.1f, 100.0f), eye, kSize);
+    const glm::vec3 ahead{eye + glm::dvec3{0.0, 0.0, -20.0}};
+    const Aabb box{ahead - 1.0f, ahead + 1.0f};
+    EXPECT_EQ(view.frustum().classify(box), Containment::inside);
+    EXPECT_FALSE(view.touches_near(view.inflated_for_test(box)));
+    EXPECT_LT(view.inflation().margin(box), 0.01f);
+    const glm::vec3 beside{eye + glm::dvec3{40.0, 0.0, -20.0}};
+    EXPECT_EQ(view.frustum().classify({beside - 1.0f, beside + 1.0f}), Containment::outside);
+    // In world coordinates the same box would have to grow by more than its size.
+    glm::dmat4 world{view.clip_from_relative()};
+    world[3] = world * glm::dvec4{-eye, 1.0};
+    EXPECT_GT(View::from_clip(glm::mat4{world}, kSize).inflation().margin(box), 10.0f);
+}
+
+TEST(View, NoBoxInsideOfAnotherTouchesUnlessTheOtherDoes)
+{
+    Rng rng(73);
+    int touching = 0;
+    int cases = 0;
+    for (const float scale : {1e-6f, 1.0f, 3e6f, 1e9f}) {
+        for (const Projection& projection : test::all_projections()) {
+            const glm::mat4 clip = projection.clip_from_eye * test::random_eye_from_world(rng, 5) *
+                                   glm::scale(glm::mat4{1.0f}, glm::vec3{1.0f / scale});
+            const View view = View::from_clip(clip, kSize, projection.convention);
+            for (int i = 0; i < 300; ++i) {
+                Aabb whole = test::random_box(rng, 6.0f * scale, 3.0f * scale);
+                const glm::vec3 size = whole.extent();
+                Aabb part = whole;
+                for (int axis = 0; axis < 3; ++axis) {
+                    part.min[axis] += rng.below(3) == 0 ? 0.0f : rng.range(0.0f, 0.4f) * size[axis];
+                    part.max[axis] = std::max(
+                        part.min[axis],
+                        part.max[axis] -
+                            (rng.below(3) == 0 ? 0.0f : rng.range(0.0f, 0.4f) * size[axis]));
+                }
+                const Aabb grown = view.inflated_for_test(whole);
+                const Aabb grown_part = view.inflated_for_test(part);
+                EXPECT_TRUE(contains(grown, grown_part)) << projection.name << " x " << scale;
+                EXPECT_TRUE(view.touches_near(grown) || !view.touches_near(grown_part))
+                    << projection.name << " x " << scale;
+                touching += view.touches_near(grown) ? 1 : 0;
+                ++cases;
+            }
+        }
+    }
+    EXPECT_GT(touching, cases / 10);
+    EXPECT_LT(touching, 9 * cases / 10);
+}
+
+// The proof of docs/conventions.md, in long double: at constant w, window depth changes by no more
+// than depth_bias over the 1/64 pixel that boxes grow by, in any direction; and under an oblique
+// near plane it does change.
+TEST(View, DepthBiasIsWhatOne64thOfAPixelCanChange)
+{
+    using Real = long double;
+    Rng rng(79);
+    const auto window_depth = [](const View& view, const glm::vec<3, Real>& relative) {
+        const glm::mat<4, 4, Real> clip{view.clip_from_relative()};
+        const glm::vec<4, Real> c = clip * glm::vec<4, Real>{relative, Real{1}};
+        const bool symmetric = view.convention().range == DepthRange::minus_one_to_one;
+        return glm::vec<3, Real>{c.x / c.w * Real{0.5} * Real(view.size_px().x),
+                                 c.y / c.w * Real{0.5} * Real(view.size_px().y),
+                                 symmetric ? Real{0.5} * (c.z / c.w + 1) : c.z / c.w};
+    };
+    int tilted = 0;
+    for (const Projection& projection : test::all_projections()) {
+        const View view =
+            View::from_clip(projection.clip_from_eye * test::random_eye_from_world(rng, 10.0f),
+                            kSize, projection.convention);
+        const glm::mat<4, 4, Real> rows =
+            glm::transpose(glm::mat<4, 4, Real>{view.clip_from_relative()});
+        const glm::vec<3, Real> toward_w{rows[3]};
+        double steepest = 0.0;
+        for (int i = 0; i < 2000; ++i) {
+            const glm::vec<3, Real> p{rng.range(-40, 40), rng.range(-40, 40), rng.range(-40, 40)};
+            const Real w = glm::dot(toward_w, p) + rows[3].w;
+            if (w < Real{0.5}) {
+                continue;
+            }
+            // A step at constant w, scaled to 1/64 pixel.
+            glm::vec<3, Real> step{rng.range(-1, 1), rng.range(-1, 1), rng.range(-1, 1)};
+            if (glm::dot(toward_w, toward_w) > Real{1e-12}) {
+                step -= toward_w * (glm::dot(step, toward_w) / glm::dot(toward_w, toward_w));
+            } else { // orthographic: the step across the screen, not along the view
+                const glm::vec<3, Real> x{rows[0]};
+                const glm::vec<3, Real> y{rows[1]};
+                step = x * step.x / glm::dot(x, x) + y * step.y / glm::dot(y, y);
+            }
+            const auto from = window_depth(view, p);
+            const auto to = window_depth(view, p + step);
+            const Real moved = std::max(std::abs(to.x - from.x), std::abs(to.y - from.y));
+            const Real change = std::abs(to.z - from.z) / (64 * moved);
+            EXPECT_LE(static_cast<double>(change), double{view.inflation().depth_bias} + 1e-12)
+                << projection.name;
+            steepest = std::max(steepest, static_cast<double>(change));
+        }
+        if (std::string_view{projection.name} == "oblique") {
+            EXPECT_GT(steepest, 0.5 * double{view.inflation().depth_bias});
+            EXPECT_GT(view.inflation().depth_bias, 1e-7f);
+            ++tilted;
+        } else {
+            EXPECT_LT(view.inflation().depth_bias, 1e-8f) << projection.name;
+        }
+    }
+    EXPECT_EQ(tilted, 1);
+}
+
+// Far from the origin, drawn in world coordinates: positions transformed in float, as a device does
+// it, differ from those in long double by no more than clip_rounding() says, and not by much less.
+TEST(View, ClipRoundingBoundsWhatFloatDoes)
+{
+    using Real = long double;
+    Rng rng(83);
+    for (const float distance : {0.0f, 1e3f, 1e5f, 1e7f}) {
+        double worst = 0.0;
+        for (const Projection& projection : test::all_projections()) {
+            const glm::vec3 away{distance, -0.5f * distance, 0.25f * distance};
+            const glm::mat4 clip = glm::mat4{glm::dmat4{projection.clip_from_eye} *
+                                             glm::dmat4{test::random_eye_from_world(rng, 10.0f)} *
+                                             glm::translate(glm::dmat4{1.0}, -glm::dvec3{away})};
+            const View view = View::from_clip(clip, kSize, projection.convention);
+            for (int i = 0; i < 500; ++i) {
+                const glm::vec3 p =
+                    away + glm::vec3{rng.range(-40, 40), rng.range(-40, 40), rng.range(-40, 40)};
+                const glm::vec4 in_float = clip * glm::vec4{p, 1.0f};
+                const glm::vec<4, Real> exact =
+                    glm::mat<4, 4, Real>{clip} * glm::vec<4, Real>{glm::vec<3, Real>{p}, Real{1}};
+                const glm::vec3 reach{glm::abs(glm::dvec3{p} - view.origin())};
+                const glm::vec4 bound = view.clip_rounding(reach);
+                for (int row = 0; row < 4; ++row) {
+                    const auto off =
+                        static_cast<double>(std::abs(Real(in_float[row]) - exact[row]));
+                    EXPECT_LE(off, double{bound[row]}) << projection.name << ", " << distance;
+                    worst = std::max(worst, bound[row] > 0.0f ? off / double{bound[row]} : 0.0);
+                }
+            }
+        }
+        EXPECT_GT(worst, 0.02) << "at " << distance << " the bound means nothing";
+    }
+}
+
+TEST(View, IgnoringTheNearPlaneKeepsWhatIsBeforeIt)
+{
+    const ViewOptions clamped{.ignores_near_plane = true};
+    const Aabb before = cube({0.0f, 0.0f, 5.0f}, 1.0f);
+    const Aabb across = cube({0.0f, 0.0f, -1.0f}, 0.5f);
+    const glm::mat4 ortho = glm::orthoRH_ZO(-5.0f, 5.0f, -5.0f, 5.0f, 1.0f, 50.0f);
+    const View clipping = View::from_clip(ortho, kSize, test::kVulkan);
+    const View keeping = View::from_clip(ortho, kSize, test::kVulkan, clamped);
+    EXPECT_EQ(clipping.frustum().classify(before), Containment::outside);
+    EXPECT_EQ(keeping.frustum().classify(before), Containment::inside);
+    EXPECT_TRUE(clipping.touches_near(across));
+    EXPECT_FALSE(keeping.touches_near(across));
+    EXPECT_EQ(keeping.frustum().classify(cube({0.0f, 0.0f, -90.0f}, 1.0f)), Containment::outside);
+
+    // Perspective: only what is around the eye touches; nothing behind it is seen.
+    const glm::mat4 perspective = glm::perspectiveRH_NO(1.0f, 1.5f, 2.0f, 100.0f);
+    const View view = View::from_clip(perspective, kSize, {}, clamped);
+    EXPECT_NE(view.frustum().classify(cube({0.0f, 0.0f, -1.0f}, 0.2f)), Containment::outside);
+    EXPECT_FALSE(view.touches_near(cube({0.0f, 0.0f, -1.0f}, 0.2f)));
+    EXPECT_TRUE(view.touches_near(cube(glm::vec3{0.0f}, 0.2f)));
+    EXPECT_EQ(view.frustum().classify(cube({0.0f, 0.0f, 5.0f}, 0.2f)), Containment::outside);
+}
+
+TEST(View, InObjectSeesTheSameCamera)
+{
+    Rng rng(89);
+    for (const Projection& projection : test::all_projections()) {
+        const View view =
+            View::from_clip(projection.clip_from_eye * test::random_eye_from_world(rng, 10.0f),
+                            kSize, projection.convention);
+        glm::mat4 map = glm::translate(glm::mat4{1.0f}, {3.0f, -8.0f, 5.0f});
+        map = glm::rotate(map, 0.7f, glm::normalize(glm::vec3{1.0f, 2.0f, 3.0f}));
+        map = glm::scale(map, {-2.0f, 0.5f, 1.5f});
+        const View own = view.in_object(map);
+        for (int i = 0; i < 200; ++i) {
+            const glm::vec3 p{rng.range(-9, 9), rng.range(-9, 9), rng.range(-9, 9)};
+            const glm::dvec4 world = glm::dmat4{map} * glm::dvec4{p, 1.0};
+            const glm::dvec4 expected =
+                view.clip_from_relative() * (world - glm::dvec4{view.origin(), 0.0});
+            const glm::dvec4 c =
+                own.clip_from_relative() * glm::dvec4{glm::dvec3{p} - own.origin(), 1.0};
+            EXPECT_LT(glm::length(c - expected), 1e-9 * (1.0 + glm::length(expected)));
+            const glm::vec3 reach{glm::abs(glm::dvec3{p} - own.origin())};
+            const glm::vec3 reach_world{glm::abs(glm::dvec3{world} - view.origin())};
+            EXPECT_GE(own.clip_rounding(reach).w, 0.999f * view.clip_rounding(reach_world).w);
+        }
+    }
+    EXPECT_FALSE(down_z(60.0f, 0.1f).in_object(glm::mat4{0.0f}).usable());
+}
+
 TEST(View, InflatedPartsLieInTheInflatedWhole)
 {
     const View view = down_z(60.0f, 0.1f);

@@ -271,8 +271,9 @@ uint64_t CpuDevice::count_box(const QueryBox& box)
         vertices[i] = transform_.process(corners[i]);
     }
     uint64_t samples = 0;
+    const double bias = kBoxBias + double{view_.inflation().depth_bias};
     const auto fragment = [&](size_t pixel, double depth) {
-        if (static_cast<float>(depth - kBoxBias) <= depth_[pixel] && stamp(pixel)) {
+        if (static_cast<float>(depth - bias) <= depth_[pixel] && stamp(pixel)) {
             ++samples;
         }
     };
@@ -371,6 +372,9 @@ Answer CpuDevice::wait(Ticket ticket)
 
 bool CpuDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
+    if (!transform_.usable()) {
+        return false; // a view without a target; see begin_frame()
+    }
     const bool fits = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
                       rect.width <= size_px_.x - rect.x && rect.height <= size_px_.y - rect.y;
     OCCLUDE_ASSERT(fits, "read_depth outside of the target");

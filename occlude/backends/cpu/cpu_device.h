@@ -65,8 +65,9 @@ public:
 
     const DeviceCaps& caps() const override { return caps_; }
 
-    /// Clears the target; its size is the view's. A view that is not finite, or larger than
-    /// cpu::kMaxSide, gives a frame that draws nothing and whose tests are lost.
+    /// Clears the target; its size is the view's. A view that is not finite, that has no pixel or
+    /// that is larger than cpu::kMaxSide gives a frame that draws nothing, whose tests are lost and
+    /// whose depth cannot be read.
     void begin_frame(const View& view) override;
 
     /// `shade` and `depth_only` are the same here for opaque items; `shade_equal` does nothing,

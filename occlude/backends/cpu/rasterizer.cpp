@@ -12,13 +12,16 @@ namespace {
 // How far from the middle of the screen a vertex may be before it is clipped, in pixels. 2^21 px
 // are 2^29 snaps: see ScreenVertex.
 constexpr double kGuardPixels = 0x1p21;
+// Where the near plane is ignored, triangles are clipped at this window depth: a million times
+// nearer to the eye than the near plane, while double still resolves depth to 2^-32.
+constexpr double kLeastClampedDepth = -0x1p20;
 // The least w that can be divided by.
 constexpr double kLeastW = std::numeric_limits<double>::min();
 
 // Every ClipConvention becomes "0 <= z <= w, 0 is near": the row of z is rewritten, in double.
-glm::dmat4 canonical_clip(const glm::mat4& clip_from_world, ClipConvention convention)
+glm::dmat4 canonical_clip(const glm::dmat4& clip_from_space, ClipConvention convention)
 {
-    glm::dmat4 rows = glm::transpose(glm::dmat4{clip_from_world});
+    glm::dmat4 rows = glm::transpose(clip_from_space);
     if (convention.range == DepthRange::minus_one_to_one) {
         rows[2] = 0.5 * (rows[2] + rows[3]);
     }
@@ -80,14 +83,25 @@ void clip_by_plane(ClipPolygon& polygon, const glm::dvec4& plane)
 } // namespace
 
 ScreenTransform::ScreenTransform(const View& view)
-    : clip_from_world_(canonical_clip(view.clip_from_world(), view.convention()))
+    : clip_from_relative_(canonical_clip(view.clip_from_relative(), view.convention()))
+    , clip_from_world_(clip_from_relative_)
+    , origin_(view.origin())
     , size_px_(view.size_px())
+    , least_depth_(view.ignores_near_plane() ? kLeastClampedDepth : 0.0)
 {
+    clip_from_world_[3] = clip_from_relative_ * glm::dvec4{-origin_, 1.0};
     usable_ = all_finite(clip_from_world_) && size_px_.x > 0 && size_px_.y > 0 &&
               size_px_.x <= kMaxSide && size_px_.y <= kMaxSide;
     if (usable_) {
         guard_ = 2.0 * kGuardPixels / glm::dvec2{size_px_};
     }
+}
+
+glm::dmat4 ScreenTransform::clip_from_local(const glm::mat4& world_from_local) const
+{
+    glm::dmat4 relative_from_local{world_from_local};
+    relative_from_local[3] -= glm::dvec4{origin_, 0.0};
+    return clip_from_relative_ * relative_from_local;
 }
 
 uint8_t ScreenTransform::code(const glm::dvec4& clip) const
@@ -101,10 +115,10 @@ uint8_t ScreenTransform::code(const glm::dvec4& clip) const
     const bool finite = 0.0 * (x + y + clip.z + w) == 0.0;
     const bool in_guard =
         std::abs(x) <= guard_.x * w && std::abs(y) <= guard_.y * w && w >= kLeastW;
-    const unsigned bits = bit(x < -w, beyond_left) | bit(x > w, beyond_right) |
-                          bit(y < -w, beyond_bottom) | bit(y > w, beyond_top) |
-                          bit(clip.z < 0.0, beyond_near) | bit(clip.z > w, beyond_far) |
-                          bit(!in_guard, beyond_guard) | bit(!finite, not_finite);
+    const unsigned bits =
+        bit(x < -w, beyond_left) | bit(x > w, beyond_right) | bit(y < -w, beyond_bottom) |
+        bit(y > w, beyond_top) | bit(clip.z < least_depth_ * w, beyond_near) |
+        bit(clip.z > w, beyond_far) | bit(!in_guard, beyond_guard) | bit(!finite, not_finite);
     return static_cast<uint8_t>(bits);
 }
 
@@ -115,8 +129,8 @@ ScreenVertex ScreenTransform::to_screen(const glm::dvec4& clip) const
     const double half_height = 0.5 * size_px_.y;
     return {snap(clip.x * inverse_w * half_width + half_width),
             snap(clip.y * inverse_w * half_height + half_height),
-            // Corners made by clipping miss 0 and 1 by a rounding.
-            std::clamp(clip.z * inverse_w, 0.0, 1.0)};
+            // Corners made by clipping miss the limits by a rounding.
+            std::clamp(clip.z * inverse_w, least_depth_, 1.0)};
 }
 
 Vertex ScreenTransform::process(const glm::dvec4& clip) const
@@ -133,7 +147,7 @@ Vertex ScreenTransform::process(const glm::dvec4& clip) const
 void ScreenTransform::clip(ClipPolygon& polygon) const
 {
     const std::array<glm::dvec4, kClipPlanes> planes{{
-        {0.0, 0.0, 1.0, 0.0},
+        {0.0, 0.0, 1.0, -least_depth_},
         {0.0, 0.0, -1.0, 1.0},
         {1.0, 0.0, 0.0, guard_.x},
         {-1.0, 0.0, 0.0, guard_.x},

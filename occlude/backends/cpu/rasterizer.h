@@ -34,9 +34,9 @@ constexpr int kMaxSide = 16384;
 
 /// A vertex on the screen. |x|, |y| < 2^30, so that edge functions stay below 2^62.
 struct ScreenVertex {
-    int64_t x = 0; ///< 1/256 px
-    int64_t y = 0; ///< 1/256 px, up
-    double depth = 0.0;
+    int64_t x = 0;      ///< 1/256 px
+    int64_t y = 0;      ///< 1/256 px, up
+    double depth = 0.0; ///< below 0 only in views that ignore the near plane
 };
 
 /// Which sides of the view volume a clip position is beyond.
@@ -81,11 +81,10 @@ public:
     bool usable() const { return usable_; }
     glm::ivec2 size_px() const { return size_px_; }
 
-    /// The clip matrix of a local space, composed in double.
-    glm::dmat4 clip_from_local(const glm::mat4& world_from_local) const
-    {
-        return clip_from_world_ * glm::dmat4{world_from_local};
-    }
+    /// The clip matrix of a local space, composed in double: the local space's place is taken
+    /// relative to the view's origin first, so that nothing cancels far from the world's.
+    glm::dmat4 clip_from_local(const glm::mat4& world_from_local) const;
+    /// The same of world space.
     const glm::dmat4& clip_from_world() const { return clip_from_world_; }
 
     uint8_t code(const glm::dvec4& clip) const;
@@ -101,9 +100,12 @@ public:
     void clip(ClipPolygon& polygon) const;
 
 private:
+    glm::dmat4 clip_from_relative_{1.0}; ///< from (position - origin_)
     glm::dmat4 clip_from_world_{1.0};
+    glm::dvec3 origin_{0.0};
     glm::ivec2 size_px_{0};
-    glm::dvec2 guard_{1.0}; ///< |x| <= guard.x * w, |y| <= guard.y * w
+    glm::dvec2 guard_{1.0};    ///< |x| <= guard.x * w, |y| <= guard.y * w
+    double least_depth_ = 0.0; ///< clipped before this window depth; drawn at 0 at least
     bool usable_ = false;
 };
 
@@ -125,7 +127,8 @@ struct Edge {
 };
 
 /// Calls fragment(pixel, depth) for every sample that the triangle covers, at most once each, row
-/// by row; pixel = y * size.x + x. Both sides are drawn. Depth lies within the corners' depths.
+/// by row; pixel = y * size.x + x. Both sides are drawn. Depth lies within the corners' depths, and
+/// is at least 0.
 template <class Fragment>
 void rasterize(const ScreenVertex& a, ScreenVertex b, ScreenVertex c, glm::ivec2 size,
                Fragment&& fragment)
@@ -161,8 +164,8 @@ void rasterize(const ScreenVertex& a, ScreenVertex b, ScreenVertex c, glm::ivec2
     Edge edge_c(a, b, x, y);
     const double depth_b = (b.depth - a.depth) / static_cast<double>(area);
     const double depth_c = (c.depth - a.depth) / static_cast<double>(area);
-    const double depth_min = std::min({a.depth, b.depth, c.depth});
-    const double depth_max = std::max({a.depth, b.depth, c.depth});
+    const double depth_min = std::max(std::min({a.depth, b.depth, c.depth}), 0.0);
+    const double depth_max = std::max({a.depth, b.depth, c.depth, 0.0});
 
     for (int64_t j = y_begin; j <= y_last; ++j) {
         int64_t weight_a = edge_a.row;

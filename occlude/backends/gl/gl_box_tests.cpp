@@ -14,36 +14,43 @@ namespace occlude::gl {
 
 namespace {
 
-constexpr size_t kFirstCapacity = 4096; // boxes, 304 KiB
+constexpr size_t kFirstCapacity = 4096; // boxes, 320 KiB
+
+// The engine's vertices and those of a box are both off by at most View::clip_rounding(), in x, y,
+// z and w. Rule R1 leaves w at least eight times as large as its error, so that window depth is off
+// by at most 8 / 7 of (z's error + w's error) / w in each stream.
+constexpr float kRoundingOfTwoStreams = 2.0f * 8.0f / 7.0f;
 
 // Corner i of the cube is at (i & 1, i >> 1 & 1, i >> 2). Both sides are drawn, so winding is free.
 constexpr std::array<uint16_t, 36> kCubeIndices{0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6,
                                                 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6,
                                                 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5};
 
-// World space first, then clip space: the order in which geometry is transformed, too.
-// Both methods have these lines, so that they reach the same depth to the bit.
+// Positions relative to the view's origin first, then clip space. Both methods have these lines, so
+// that they reach the same depth to the bit.
 constexpr const char* kVertexShader = R"(
 layout(location = 0) in vec3 box_min;
 layout(location = 1) in vec3 box_max;
-layout(location = 2) in vec4 world_row_0;
-layout(location = 3) in vec4 world_row_1;
-layout(location = 4) in vec4 world_row_2;
+layout(location = 2) in vec4 relative_row_0;
+layout(location = 3) in vec4 relative_row_1;
+layout(location = 4) in vec4 relative_row_2;
+layout(location = 5) in float toward_viewer; // added to z of clip space
 #ifdef RASTER
-layout(location = 5) in uint box_test;
+layout(location = 6) in uint box_test;
 flat out uint test;
 #endif
-uniform mat4 clip_from_world;
-uniform float toward_viewer; // added to normalised depth
+uniform mat4 clip_from_relative;
+uniform float toward_viewer_per_w; // added to normalised depth
 invariant gl_Position;
 
 void main()
 {
     bvec3 upper = bvec3((gl_VertexID & 1) != 0, (gl_VertexID & 2) != 0, (gl_VertexID & 4) != 0);
     vec4 corner = vec4(mix(box_min, box_max, upper), 1.0);
-    vec3 world = vec3(dot(world_row_0, corner), dot(world_row_1, corner), dot(world_row_2, corner));
-    gl_Position = clip_from_world * vec4(world, 1.0);
-    gl_Position.z += toward_viewer * gl_Position.w;
+    vec3 relative = vec3(dot(relative_row_0, corner), dot(relative_row_1, corner),
+                         dot(relative_row_2, corner));
+    gl_Position = clip_from_relative * vec4(relative, 1.0);
+    gl_Position.z += toward_viewer_per_w * gl_Position.w + toward_viewer;
 #ifdef RASTER
     test = box_test;
 #endif
@@ -86,8 +93,8 @@ bool can_be_tested(std::span<const QueryBox> boxes)
 
 GlBoxTests::Program::Program(GlProgram made)
     : program(std::move(made))
-    , clip_from_world(glGetUniformLocation(program.name(), "clip_from_world"))
-    , toward_viewer(glGetUniformLocation(program.name(), "toward_viewer"))
+    , clip_from_relative(glGetUniformLocation(program.name(), "clip_from_relative"))
+    , toward_viewer_per_w(glGetUniformLocation(program.name(), "toward_viewer_per_w"))
 {
 }
 
@@ -125,7 +132,7 @@ GlBoxTests::GlBoxTests(Program queries, Program raster, bool base_instance, floa
                  GL_STATIC_DRAW);
     glBindBuffer(GL_ARRAY_BUFFER, stream_.name());
     point_attributes_at(0);
-    for (GLuint location = 0; location < 6; ++location) {
+    for (GLuint location = 0; location < 7; ++location) {
         glEnableVertexAttribArray(location);
         glVertexAttribDivisor(location, 1);
     }
@@ -143,9 +150,10 @@ void GlBoxTests::point_attributes_at(size_t offset)
     point(0, 3, offsetof(BoxRow, min));
     point(1, 3, offsetof(BoxRow, max));
     for (GLuint row = 0; row < 3; ++row) {
-        point(2 + row, 4, offsetof(BoxRow, world_from_box) + row * sizeof(glm::vec4));
+        point(2 + row, 4, offsetof(BoxRow, relative_from_box) + row * sizeof(glm::vec4));
     }
-    glVertexAttribIPointer(5, 1, GL_UNSIGNED_INT, sizeof(BoxRow),
+    point(5, 1, offsetof(BoxRow, toward_viewer));
+    glVertexAttribIPointer(6, 1, GL_UNSIGNED_INT, sizeof(BoxRow),
                            reinterpret_cast<const void*>(offset + offsetof(BoxRow, test)));
 }
 
@@ -164,9 +172,11 @@ void GlBoxTests::enter(TestMethod method)
     glUseProgram(program.program.name());
     if (program.view_changed) {
         const float range = convention.range == DepthRange::minus_one_to_one ? 2.0f : 1.0f;
-        glUniformMatrix4fv(program.clip_from_world, 1, GL_FALSE,
-                           glm::value_ptr(view_.clip_from_world()));
-        glUniform1f(program.toward_viewer, (reversed ? 1.0f : -1.0f) * range * depth_bias_);
+        const glm::mat4 clip_from_relative{view_.clip_from_relative()};
+        glUniformMatrix4fv(program.clip_from_relative, 1, GL_FALSE,
+                           glm::value_ptr(clip_from_relative));
+        glUniform1f(program.toward_viewer_per_w,
+                    toward_viewer_sign() * range * (depth_bias_ + view_.inflation().depth_bias));
         program.view_changed = false;
     }
     glBindVertexArray(vertex_array_.name());
@@ -178,13 +188,36 @@ void GlBoxTests::enter(TestMethod method)
     glDisable(GL_CULL_FACE);
 }
 
+float GlBoxTests::toward_viewer_sign() const
+{
+    return view_.convention().order == DepthOrder::near_is_large ? 1.0f : -1.0f;
+}
+
+// The origin is subtracted in double: what is left rounds by a share of the distance from there.
 void GlBoxTests::add_row(const QueryBox& box, size_t test)
 {
-    const glm::mat4 world = box.world_from_box ? *box.world_from_box : glm::mat4{1.0f};
-    rows_.push_back({box.box.min,
-                     box.box.max,
-                     {glm::row(world, 0), glm::row(world, 1), glm::row(world, 2)},
-                     static_cast<uint32_t>(test)});
+    const glm::dvec3& origin = view_.origin();
+    BoxRow row{box.box.min, box.box.max, {}, 0.0f, static_cast<uint32_t>(test)};
+    glm::vec3 reach;
+    if (box.world_from_box == nullptr) {
+        row.min = glm::vec3{glm::dvec3{box.box.min} - origin};
+        row.max = glm::vec3{glm::dvec3{box.box.max} - origin};
+        row.relative_from_box = {
+            {{1.0f, 0.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f, 0.0f}}};
+        reach = glm::max(glm::abs(row.min), glm::abs(row.max));
+    } else {
+        glm::mat4 relative = *box.world_from_box;
+        relative[3] = glm::vec4{glm::vec3{glm::dvec3{relative[3]} - origin}, 1.0f};
+        row.relative_from_box = {glm::row(relative, 0), glm::row(relative, 1),
+                                 glm::row(relative, 2)};
+        const glm::vec4 own{glm::max(glm::abs(row.min), glm::abs(row.max)), 1.0f};
+        for (int axis = 0; axis < 3; ++axis) {
+            reach[axis] = glm::dot(glm::abs(row.relative_from_box[static_cast<size_t>(axis)]), own);
+        }
+    }
+    const glm::vec4 rounding = view_.clip_rounding(reach);
+    row.toward_viewer = toward_viewer_sign() * kRoundingOfTwoStreams * (rounding.z + rounding.w);
+    rows_.push_back(row);
 }
 
 // Where the rows are in the stream.

@@ -155,9 +155,12 @@ void GlDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 void GlDevice::test_with_pyramid(const QueryBatch& batch, std::span<Ticket> tickets)
 {
     const glm::ivec2 size = view_.size_px();
-    if (!parts_->pyramid.fresh() && size.x > 0 && size.y > 0 &&
-        read_depth({0, 0, size.x, size.y}, parts_->pyramid.resize(size))) {
-        parts_->pyramid.build();
+    if (!parts_->pyramid.fresh()) {
+        const std::span<float> room =
+            parts_->pyramid.resize(size); // none if the size makes no sense
+        if (!room.empty() && read_depth({0, 0, size.x, size.y}, room)) {
+            parts_->pyramid.build();
+        }
     }
     parts_->pyramid.answer(view_, batch, parts_->answers);
     for (size_t test = 0; test < tickets.size(); ++test) {

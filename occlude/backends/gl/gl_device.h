@@ -36,9 +36,10 @@ struct GlDeviceOptions {
     /// At most this many tickets may be unspent; one query object is made for each when needed.
     uint32_t max_outstanding = 4096;
 
-    /// How much nearer to the viewer than they are boxes are tested, in window depth: it covers the
-    /// rounding of depth in the vertex stream, the interpolation and a depth buffer of 24 bits or
-    /// 32-bit float. Larger is safe and finds less hidden. A 16-bit buffer needs 0x1p-14.
+    /// Boxes are tested nearer to the viewer than they are by this window depth, and by what the
+    /// rounding of positions in float can amount to (View::clip_rounding). It covers the
+    /// interpolation of depth and a depth buffer of 24 bits or 32-bit float. Larger is safe and
+    /// finds less hidden. A 16-bit buffer needs 0x1p-14.
     float depth_bias = 0x1p-20f;
 
     /// Use nothing newer than this version of OpenGL, in the form 10 * major + minor.

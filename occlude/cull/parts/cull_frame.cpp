@@ -287,7 +287,10 @@ SamplePositions CullFrame::samples() const
 
 bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)
 {
-    if (!device_.read_depth(rect, out)) {
+    // No room was made for a target that is too large (DepthPyramid::kMaxPixels).
+    const bool has_room =
+        out.size() == static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height);
+    if (!has_room || !device_.read_depth(rect, out)) {
         return false;
     }
     ++report_.counters.depth_reads;

@@ -57,9 +57,7 @@ const ObjectSpaces::Space& ObjectSpaces::space_of(const View& view, const Hierar
         space.known = true;
         space.usable = shrink > 0.0f;
         space.inflation = view.inflation().in(map, shrink);
-        space.view =
-            View::from_clip(glm::mat4{glm::dmat4{view.clip_from_world()} * glm::dmat4{map}},
-                            view.size_px(), view.convention());
+        space.view = view.in_object(map);
     }
     return space;
 }

@@ -15,17 +15,16 @@
 
 namespace occlude::detail {
 
-/// A view as rows that map a point to (x, y, depth, 1) * w, x and y in pixels and depth from 0
-/// (near) to 1 (far), and how far a device and we ourselves may be off. See projection.cpp.
+/// A view as columns that map (point - inflation.origin) to (x, y, depth, 1) * w, x and y in pixels
+/// and depth from 0 (near) to 1 (far), and how far a device and we ourselves may be off. See
+/// box_projector.cpp.
 struct BoxProjector {
     /// For boxes in the world that are to be inflated here.
     BoxProjector(const View& view, SamplePositions samples);
     /// For boxes of tests: in the space of `world_from_box`, inflated already.
-    BoxProjector(const View& view, const glm::mat4& world_from_box)
-        : BoxProjector(view, world_from_box, {.per_diagonal = 0.0f, .per_coordinate = 0.0f},
-                       SamplePositions::anywhere)
-    {
-    }
+    BoxProjector(const View& view, const glm::mat4& world_from_box);
+    /// For boxes of tests in world space, inflated already.
+    static BoxProjector of_tests(const View& view);
     /// For boxes in the space of `world_from_box` that are to be inflated here, in that space.
     BoxProjector(const View& view, const glm::mat4& world_from_box, const Inflation& inflation,
                  SamplePositions samples);
@@ -38,13 +37,15 @@ struct BoxProjector {
     static constexpr float kLargestSlop = 0x1p40f;
     static constexpr float kSmallestW = 0x1p-60f;
 
-    void set_columns(const View& view, const glm::dmat4& clip, const glm::dmat4& magnitude);
+    void set_columns(const View& view, const glm::dmat4& clip, const glm::dmat4& rounding);
+    void set_object_columns(const View& view, const glm::mat4& world_from_box);
 
     std::array<glm::vec4, 4> column{}; ///< what one unit of x, y and z adds, and the origin
     std::array<glm::vec4, 4> slop{};   ///< the same of the possible error, of coordinates >= 0
     Inflation inflation;
     glm::vec2 size{0.0f};
     float sample_inset_px = 0.0f; ///< no sample is nearer than this to a border of its pixel
+    float least_depth = 0.0f;     ///< of a corner, times w: -infinity where depth is clamped
     ScreenBounds everywhere;      ///< of a box of which nothing is known
     bool usable = false;          ///< there is a near plane, and something is known of the view
 };

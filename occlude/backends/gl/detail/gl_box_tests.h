@@ -48,20 +48,22 @@ public:
     void raster(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets);
 
 private:
-    // One box as the vertex shader reads it: its corners, and an affine matrix row by row.
+    // One box as the vertex shader reads it: its corners, and an affine matrix row by row to
+    // positions relative to the view's origin.
     struct BoxRow {
         glm::vec3 min;
         glm::vec3 max;
-        std::array<glm::vec4, 3> world_from_box;
-        uint32_t test; // which flag is set, by raster
+        std::array<glm::vec4, 3> relative_from_box;
+        float toward_viewer; // by how much the box is nearer in clip z, for rounding
+        uint32_t test;       // which flag is set, by raster
     };
-    static_assert(sizeof(BoxRow) == 76);
+    static_assert(sizeof(BoxRow) == 80);
 
     // A program and where its uniforms are.
     struct Program {
         GlProgram program;
-        GLint clip_from_world = -1;
-        GLint toward_viewer = -1;
+        GLint clip_from_relative = -1;
+        GLint toward_viewer_per_w = -1;
         bool view_changed = true;
 
         explicit Program(GlProgram made);
@@ -69,6 +71,7 @@ private:
     };
 
     GlBoxTests(Program queries, Program raster, bool base_instance, float depth_bias);
+    float toward_viewer_sign() const;
     void add_row(const QueryBox& box, size_t test);
     size_t write_rows();
     void point_attributes_at(size_t offset);
