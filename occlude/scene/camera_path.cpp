@@ -106,28 +106,33 @@ std::vector<Camera> interpolate(std::span<const Keyframe> keys, size_t frame_cou
     return frames;
 }
 
-View make_view(const Camera& camera, glm::ivec2 size_px, ClipConvention convention)
+View make_view(const Camera& camera, glm::ivec2 size_px, ClipConvention convention,
+               const ViewOptions& options)
 {
     OCCLUDE_ASSERT(camera.near > 0.0f && camera.far > camera.near, "0 < near < far");
-    glm::vec3 forward = camera.target - camera.eye;
-    const float distance = glm::length(forward);
-    forward = distance > 0.0f ? forward / distance : glm::vec3{0.0f, 0.0f, -1.0f};
+    // Directions, in double: no point beside the eye that float might not tell from it.
+    glm::dvec3 forward = glm::dvec3{camera.target} - glm::dvec3{camera.eye};
+    const double distance = glm::length(forward);
+    forward = distance > 0.0 ? forward / distance : glm::dvec3{0.0, 0.0, -1.0};
 
-    glm::vec3 up = camera.up;
-    const float up_length = glm::length(up);
-    constexpr float kParallel = 1e-4f; // sine of the angle between up and the view direction
-    if (!(up_length > 0.0f) || glm::length(glm::cross(forward, up / up_length)) < kParallel) {
+    glm::dvec3 up{camera.up};
+    const double up_length = glm::length(up);
+    constexpr double kParallel = 1e-4; // sine of the angle between up and the view direction
+    if (!(up_length > 0.0) || glm::length(glm::cross(forward, up / up_length)) < kParallel) {
         // The axis that is farthest from the view direction.
-        const glm::vec3 along = glm::abs(forward);
-        up = along.y <= along.x && along.y <= along.z ? glm::vec3{0.0f, 1.0f, 0.0f}
-             : along.z <= along.x                     ? glm::vec3{0.0f, 0.0f, 1.0f}
-                                                      : glm::vec3{1.0f, 0.0f, 0.0f};
+        const glm::dvec3 along = glm::abs(forward);
+        up = along.y <= along.x && along.y <= along.z ? glm::dvec3{0.0, 1.0, 0.0}
+             : along.z <= along.x                     ? glm::dvec3{0.0, 0.0, 1.0}
+                                                      : glm::dvec3{1.0, 0.0, 0.0};
     }
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, up));
+    const glm::dmat4 eye_from_relative =
+        glm::transpose(glm::dmat4{glm::dmat3{right, glm::cross(right, forward), -forward}});
     const float aspect =
         static_cast<float>(std::max(size_px.x, 1)) / static_cast<float>(std::max(size_px.y, 1));
-    const glm::mat4 eye_from_world = glm::lookAtRH(camera.eye, camera.eye + forward, up);
-    return View::from_clip(projection(camera, aspect, convention) * eye_from_world, size_px,
-                           convention);
+    const glm::dmat4 clip_from_eye{projection(camera, aspect, convention)};
+    return View::camera_relative(glm::mat4{clip_from_eye * eye_from_relative},
+                                 glm::dvec3{camera.eye}, size_px, convention, options);
 }
 
 } // namespace occlude

@@ -31,8 +31,10 @@ struct Keyframe {
 /// that the path is smooth; cuts stay cuts. Precondition: keys is not empty.
 std::vector<Camera> interpolate(std::span<const Keyframe> keys, size_t frame_count);
 
-/// The view of a camera with a right-handed perspective projection. Precondition: near and far > 0.
-/// An up vector along the view direction is replaced by another one.
-View make_view(const Camera& camera, glm::ivec2 size_px, ClipConvention convention = {});
+/// The view of a camera with a right-handed perspective projection, relative to its eye:
+/// renderers subtract View::origin() from positions before they round. Precondition: near > 0 and
+/// far > near. An up vector along the view direction is replaced by another one.
+View make_view(const Camera& camera, glm::ivec2 size_px, ClipConvention convention = {},
+               const ViewOptions& options = {});
 
 } // namespace occlude

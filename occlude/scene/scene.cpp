@@ -74,6 +74,18 @@ bool Scene::move(ObjectId id, const glm::mat4& world_from_object)
     return true;
 }
 
+void Scene::shift(const glm::dvec3& offset)
+{
+    for (Object& object : objects_) {
+        if (object.item_count > 0) {
+            glm::vec4& place_of = object.world_from_object[3];
+            place_of = glm::vec4{glm::vec3{glm::dvec3{place_of} + offset}, place_of.w};
+            place(object);
+        }
+    }
+    ++motion_version_;
+}
+
 bool Scene::remove(ObjectId id)
 {
     if (find(id) == nullptr) {

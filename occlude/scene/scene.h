@@ -37,6 +37,10 @@ public:
     /// Moves an object. False, and nothing happens, for a stale or foreign id. O(items of it).
     bool move(ObjectId object, const glm::mat4& world_from_object);
 
+    /// Moves all objects by `offset`: for worlds that take their zero along with the camera.
+    /// Positions are added in double and rounded to float once. O(items).
+    void shift(const glm::dvec3& offset);
+
     /// Removes an object; its id is stale from now on. False for a stale or foreign id.
     bool remove(ObjectId object);
 

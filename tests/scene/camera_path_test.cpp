@@ -152,6 +152,21 @@ TEST(MakeView, RightIsRightAndUpIsUp)
     EXPECT_NEAR(above.x, 0.0f, 1e-4f);
 }
 
+// A point one unit before the eye is not far enough from it for float, 1e6 units away.
+TEST(MakeView, LooksWhereItShouldFarFromTheOrigin)
+{
+    Camera camera = looking_down_z();
+    camera.eye = {1e6f, -2e6f, 5e6f};
+    camera.target = camera.eye + glm::vec3{300.0f, 100.0f, -700.0f};
+    const glm::dvec3 along = glm::normalize(glm::dvec3{camera.target} - glm::dvec3{camera.eye});
+    const View view = make_view(camera, {640, 360});
+    EXPECT_EQ(view.origin(), glm::dvec3{camera.eye});
+    const glm::dvec4 clip = view.clip_from_relative() * glm::dvec4{10.0 * along, 1.0};
+    EXPECT_NEAR(clip.x / clip.w, 0.0, 1e-6);
+    EXPECT_NEAR(clip.y / clip.w, 0.0, 1e-6);
+    EXPECT_NEAR(clip.w, 10.0, 1e-5);
+}
+
 TEST(MakeView, AnUpVectorAlongTheViewIsReplaced)
 {
     const glm::vec3 axes[]{{1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 0.0f, 1.0f}};

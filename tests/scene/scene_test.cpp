@@ -21,6 +21,26 @@ ItemDesc item(uint32_t triangles, ItemFlags flags = ItemFlags::none)
     return {.local_box = kUnitBox, .triangles = triangles, .flags = flags};
 }
 
+TEST(Scene, ShiftMovesEveryObjectAndNothingElse)
+{
+    Scene scene;
+    const std::array items{item(10), item(20)};
+    const ObjectId first = scene.add(moved_by(5.0f), items);
+    const ObjectId gone = scene.add(moved_by(7.0f), items);
+    const ObjectId last = scene.add(moved_by(1e7f), items);
+    scene.remove(gone);
+    const uint64_t content = scene.content_version();
+    const uint64_t motion = scene.motion_version();
+    scene.shift({-1e7, 2.0, 0.0});
+    EXPECT_EQ(scene.world_from_object(first)[3], glm::vec4(5.0f - 1e7f, 2.0f, 0.0f, 1.0f));
+    EXPECT_EQ(scene.world_from_object(last)[3], glm::vec4(0.0f, 2.0f, 0.0f, 1.0f));
+    const Aabb& box = scene.item_bounds()[scene.first_item(last).value].box;
+    EXPECT_NEAR(box.min.x, -1.0f, 1e-5f);
+    EXPECT_NEAR(box.max.y, 3.0f, 1e-5f);
+    EXPECT_EQ(scene.content_version(), content);
+    EXPECT_NE(scene.motion_version(), motion);
+}
+
 TEST(Scene, AnObjectOwnsContiguousItemsInWorldSpace)
 {
     Scene scene;
