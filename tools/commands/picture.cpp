@@ -75,7 +75,7 @@ void shine_through(Session& session, const View& view, std::span<const ItemId> i
     const Image tinted = stage.renderer.capture().color;
     stage.renderer.set_item_colors({});
     const std::vector<uint32_t> ids = stage.renderer.render_ids(view, items);
-    for (size_t i = 0; i < image.pixels.size(); ++i) {
+    for (size_t i = 0; i < std::min(image.pixels.size(), ids.size()); ++i) {
         if (ItemId{ids[i]}.valid()) {
             image.pixels[i] = mixed(image.pixels[i], tinted.pixels[i]);
         }

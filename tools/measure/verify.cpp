@@ -8,6 +8,7 @@
 #include <bit>
 #include <functional>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 namespace occlude::tools {
@@ -74,17 +75,18 @@ std::vector<MissingItem> find_missing(const Stage& stage, const View& view, cons
 {
     const std::vector<ItemId> items = items_in_frustum(view, stage.item_bounds);
     const std::vector<uint32_t> ids = stage.renderer.render_ids(view, items);
-    std::map<uint32_t, uint64_t> pixels_of;
-    for (size_t i = 0; i < std::min(ids.size(), differing.size()); ++i) {
+    std::map<uint32_t, std::set<size_t>> pixels_of;
+    for (size_t i = 0; i < (differing.empty() ? 0 : ids.size()); ++i) {
         const ItemId item{ids[i]};
-        if (differing[i] != 0 && item.valid() &&
+        const size_t pixel = i % differing.size(); // one sample of every pixel after the other
+        if (differing[pixel] != 0 && item.valid() &&
             !std::binary_search(drawn_ascending.begin(), drawn_ascending.end(), item)) {
-            ++pixels_of[ids[i]];
+            pixels_of[ids[i]].insert(pixel);
         }
     }
     std::vector<MissingItem> missing;
     for (const auto& [id, pixels] : pixels_of) {
-        missing.push_back({ItemId{id}, pixels, NodeId{}, Decision::undecided});
+        missing.push_back({ItemId{id}, pixels.size(), NodeId{}, Decision::undecided});
     }
     std::stable_sort(
         missing.begin(), missing.end(),

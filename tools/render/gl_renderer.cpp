@@ -15,7 +15,6 @@ namespace occlude::tools {
 namespace {
 
 constexpr glm::vec4 kBackground{0.55f, 0.68f, 0.82f, 1.0f};
-constexpr uint32_t kNoItem = 0xffffffffu;
 constexpr int kClipControlVersion = 45;
 constexpr float kSnapsPerPixel = 256.0f; // see kPosition in gl_shaders.h
 
@@ -239,8 +238,13 @@ void GlRenderer::set_view(const View& view)
 void GlRenderer::use_camera(const gl::GlProgram& program) const
 {
     glUseProgram(program.name());
-    glUniformMatrix4fv(glGetUniformLocation(program.name(), "clip_from_world"), 1, GL_FALSE,
-                       glm::value_ptr(view_.clip_from_world()));
+    const glm::mat4 clip_from_relative{view_.clip_from_relative()};
+    const glm::vec3 origin{view_.origin()};
+    const glm::vec3 origin_below{view_.origin() - glm::dvec3{origin}};
+    glUniformMatrix4fv(glGetUniformLocation(program.name(), "clip_from_relative"), 1, GL_FALSE,
+                       glm::value_ptr(clip_from_relative));
+    glUniform3fv(glGetUniformLocation(program.name(), "origin"), 1, &origin.x);
+    glUniform3fv(glGetUniformLocation(program.name(), "origin_below"), 1, &origin_below.x);
     const glm::vec2 snaps = 0.5f * kSnapsPerPixel * glm::vec2{view_.size_px()};
     glUniform2fv(glGetUniformLocation(program.name(), "snaps"), 1, &snaps.x);
 }
@@ -263,7 +267,11 @@ void GlRenderer::begin_frame(const View& view)
 void GlRenderer::restore_state()
 {
     glEnable(GL_DEPTH_TEST);
-    glDisable(GL_DEPTH_CLAMP);
+    if (view_.ignores_near_plane()) {
+        glEnable(GL_DEPTH_CLAMP);
+    } else {
+        glDisable(GL_DEPTH_CLAMP);
+    }
     glDisable(GL_CULL_FACE);
 }
 
@@ -363,14 +371,17 @@ Capture GlRenderer::capture()
 std::vector<uint32_t> GlRenderer::render_ids(const View& view, std::span<const ItemId> items)
 {
     context_->make_current();
-    target_.bind_ids();
+    if (!target_.bind_ids()) {
+        target_.bind();
+        return {};
+    }
     set_view(view);
     restore_state();
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_TRUE);
     glDepthFunc(view.convention().order == DepthOrder::near_is_large ? GL_GREATER : GL_LESS);
-    glClear(GL_DEPTH_BUFFER_BIT);
-    glClearBufferuiv(GL_COLOR, 0, &kNoItem);
+    glClearColor(1.0f, 1.0f, 1.0f, 1.0f); // the bytes of the invalid id
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     use_camera(programs_.ids);
     std::vector<ItemId> owning;
     if (!translucent_.empty()) {

@@ -1,5 +1,5 @@
 // The renderer's shaders. Every pass computes positions with the same text, and `invariant`, so
-// that depth is bit-identical between passes; world space first, as box tests do.
+// that depth is bit-identical between passes: relative to the camera first, as box tests do.
 #pragma once
 
 #include <string>
@@ -20,7 +20,9 @@ layout(location = 3) in vec4 world_row_1;
 layout(location = 4) in vec4 world_row_2;
 layout(location = 5) in vec4 base_color; // alpha: opacity
 layout(location = 6) in uint id;
-uniform mat4 clip_from_world;
+uniform mat4 clip_from_relative;
+uniform vec3 origin;       // of the view, in the world: rounded to float ...
+uniform vec3 origin_below; // ... and the rest
 uniform vec2 snaps; // from the middle of the target to its right and upper edge
 invariant gl_Position;
 out vec3 normal;
@@ -29,9 +31,11 @@ flat out uint item;
 
 void main()
 {
-    vec4 p = vec4(position_mesh, 1.0);
-    vec3 world = vec3(dot(world_row_0, p), dot(world_row_1, p), dot(world_row_2, p));
-    gl_Position = clip_from_world * vec4(world, 1.0);
+    vec3 place = vec3(world_row_0.w, world_row_1.w, world_row_2.w) - origin;
+    vec3 turned = vec3(dot(world_row_0.xyz, position_mesh), dot(world_row_1.xyz, position_mesh),
+                       dot(world_row_2.xyz, position_mesh));
+    vec3 relative = (turned + place) - origin_below;
+    gl_Position = clip_from_relative * vec4(relative, 1.0);
     if (gl_Position.w > 0.0) {
         gl_Position.xy = round(gl_Position.xy / gl_Position.w * snaps) * (gl_Position.w / snaps);
     }
@@ -58,8 +62,11 @@ void main() {}
 
 inline const std::string kIdFragment = R"(#version 330 core
 flat in uint item;
-layout(location = 0) out uint owner;
-void main() { owner = item; }
+layout(location = 0) out vec4 owner; // the id's bytes
+void main()
+{
+    owner = vec4(item & 255u, (item >> 8) & 255u, (item >> 16) & 255u, item >> 24) / 255.0;
+}
 )";
 
 // Colours are linear; the square root stands in for the gamma of displays.
@@ -78,8 +85,13 @@ void main()
 
 inline const std::string kLineVertex = R"(#version 330 core
 layout(location = 0) in vec3 point_world;
-uniform mat4 clip_from_world;
-void main() { gl_Position = clip_from_world * vec4(point_world, 1.0); }
+uniform mat4 clip_from_relative;
+uniform vec3 origin;
+uniform vec3 origin_below;
+void main()
+{
+    gl_Position = clip_from_relative * vec4((point_world - origin) - origin_below, 1.0);
+}
 )";
 
 inline const std::string kLineFragment = R"(#version 330 core

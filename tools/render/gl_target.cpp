@@ -4,6 +4,21 @@
 
 namespace occlude::tools {
 
+static const char* const kWholeTargetVertex = R"(#version 330 core
+void main()
+{
+    vec2 corner = vec2((gl_VertexID & 1) * 4 - 1, (gl_VertexID & 2) * 2 - 1);
+    gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
+
+static const char* const kSampleFragment = R"(#version 330 core
+uniform sampler2DMS samples;
+uniform int which;
+layout(location = 0) out vec4 color;
+void main() { color = texelFetch(samples, ivec2(gl_FragCoord.xy), which); }
+)";
+
 bool GlTarget::make_attachments(Attachments& made, GLenum color_format, glm::ivec2 size,
                                 int samples)
 {
@@ -66,20 +81,71 @@ void GlTarget::bind() const
     glViewport(0, 0, size_.x, size_.y);
 }
 
-void GlTarget::bind_ids()
+bool GlTarget::bind_ids()
 {
-    if (ids_.framebuffer.name() == 0) {
-        make_attachments(ids_, GL_R32UI, size_, 1);
+    if (ids_.framebuffer.name() == 0 && (!make_attachments(ids_, GL_RGBA8, size_, samples_) ||
+                                         (samples_ > 1 && !make_sample_reader()))) {
+        ids_ = {};
+        return false;
     }
     glBindFramebuffer(GL_FRAMEBUFFER, ids_.framebuffer.name());
     glViewport(0, 0, size_.x, size_.y);
+    return true;
+}
+
+bool GlTarget::make_sample_reader()
+{
+    auto program = gl::make_program("samples", kWholeTargetVertex, kSampleFragment);
+    if (!program) {
+        return false;
+    }
+    sample_program_ = std::move(*program);
+    sample_vertices_ = gl::GlVertexArray::make();
+    id_samples_ = gl::GlTexture::make();
+    glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, id_samples_.name());
+    glTexImage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, samples_, GL_RGBA8, size_.x, size_.y,
+                            GL_TRUE);
+    id_copy_ = gl::GlFramebuffer::make();
+    glBindFramebuffer(GL_FRAMEBUFFER, id_copy_.name());
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D_MULTISAMPLE,
+                           id_samples_.name(), 0);
+    return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+}
+
+// One sample of every pixel, from id_samples_ to resolved_.
+void GlTarget::draw_sample(int sample) const
+{
+    glBindFramebuffer(GL_FRAMEBUFFER, resolved_.framebuffer.name());
+    glViewport(0, 0, size_.x, size_.y);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    glDisable(GL_CULL_FACE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, id_samples_.name());
+    glUseProgram(sample_program_.name());
+    glUniform1i(glGetUniformLocation(sample_program_.name(), "which"), sample);
+    glBindVertexArray(sample_vertices_.name());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 std::vector<uint32_t> GlTarget::read_ids() const
 {
-    std::vector<uint32_t> ids(static_cast<size_t>(size_.x) * static_cast<size_t>(size_.y));
+    const size_t pixel_count = static_cast<size_t>(size_.x) * static_cast<size_t>(size_.y);
+    std::vector<uint32_t> ids(pixel_count * static_cast<size_t>(samples_));
     glBindFramebuffer(GL_READ_FRAMEBUFFER, ids_.framebuffer.name());
-    glReadPixels(0, 0, size_.x, size_.y, GL_RED_INTEGER, GL_UNSIGNED_INT, ids.data());
+    if (samples_ > 1) {
+        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, id_copy_.name());
+        glBlitFramebuffer(0, 0, size_.x, size_.y, 0, 0, size_.x, size_.y, GL_COLOR_BUFFER_BIT,
+                          GL_NEAREST);
+    }
+    for (int sample = 0; sample < samples_; ++sample) {
+        if (samples_ > 1) {
+            draw_sample(sample);
+        }
+        uint32_t* const first = ids.data() + static_cast<size_t>(sample) * pixel_count;
+        glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, first);
+    }
     return ids;
 }
 

@@ -22,11 +22,13 @@ public:
     /// Binds the target for drawing and sets the viewport to all of it.
     void bind() const;
 
-    /// Binds a target of the same size, without multisampling, for one 32-bit id per pixel; made at
-    /// the first use.
-    void bind_ids();
+    /// Binds a target of the same size and number of samples for one 32-bit id per sample, as four
+    /// bytes of colour; made at the first use. False if the driver refuses it.
+    bool bind_ids();
 
-    /// The pixels of the last bind_ids().
+    /// The ids drawn since the last bind_ids(): of the first sample of every pixel, then of the
+    /// second, and so on. Leaves depth test, blending and face culling off, and the program, vertex
+    /// array and texture bindings undefined.
     std::vector<uint32_t> read_ids() const;
 
     /// Resolved colour and depth. Changes the state that GlDepthReader::read names.
@@ -40,12 +42,20 @@ private:
     };
     static bool make_attachments(Attachments& made, GLenum color_format, glm::ivec2 size,
                                  int samples);
+    bool make_sample_reader();
+    void draw_sample(int sample) const;
 
     glm::ivec2 size_{0};
     int samples_ = 1;
     Attachments main_;
     Attachments resolved_; ///< multisampled targets only
     Attachments ids_;      ///< made when needed
+
+    // To read the samples of ids_ one by one: a texture of the same samples, and who draws one.
+    gl::GlTexture id_samples_;
+    gl::GlFramebuffer id_copy_;
+    gl::GlProgram sample_program_;
+    gl::GlVertexArray sample_vertices_;
 };
 
 } // namespace occlude::tools

@@ -60,8 +60,10 @@ public:
     /// The target after the last frame, whoever drew it.
     virtual Capture capture() = 0;
 
-    /// The item that owns each pixel when `items` are drawn in this order without tests (the
-    /// nearest opaque one, the first of equals); 0xffffffff where there is none.
+    /// The item that owns each sample when `items` are drawn in this order without tests (the
+    /// nearest opaque one, the first of equals); 0xffffffff where there is none. Pixel by pixel as
+    /// images are; with several samples, the first of every pixel, then the second, and so on.
+    /// Empty if the driver refuses the target.
     virtual std::vector<uint32_t> render_ids(const View& view, std::span<const ItemId> items) = 0;
 
     /// Overrides the base colours, indexed by ItemId (alpha unused); empty: the scene's own.
