@@ -64,7 +64,7 @@ bool TestingByDepth::read(CullFrame& frame)
 
 // --- a frame -------------------------------------------------------------------------------------
 
-// Reads depth again whenever so much waits to be drawn that it may hide the rest.
+// Reads depth again whenever the drawing that waits costs several read-backs.
 void TestingByDepth::reveal(CullFrame& frame)
 {
     const PlannerConstants& k = kPlannerConstants;

@@ -36,7 +36,7 @@ bool TestingByDevice::retest_pays(const CullFrame& frame, const CutCandidate& ca
     }
     const double share = coverage_.share(bounds);
     const double covered = coverage_.chance_covered(share);
-    coverage_.drew(share);
+    coverage_.add_drawn(share);
     return shared_.planner.retest_pays(shared_.costs(), shared_.cut.draw_us(candidate.entry),
                                        covered, frame.stamp() - candidate.entry.tested);
 }

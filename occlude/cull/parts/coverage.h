@@ -33,7 +33,7 @@ public:
     }
 
     /// Something that covers `share` of the screen is drawn, after all that is nearer.
-    void drew(double share) { covered_ += (1.0 - covered_) * std::min(share, 1.0); }
+    void add_drawn(double share) { covered_ += (1.0 - covered_) * std::min(share, 1.0); }
 
     /// p_cov: the chance that what covers `share` lies wholly behind what is drawn.
     double chance_covered(double share) const

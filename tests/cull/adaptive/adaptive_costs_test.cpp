@@ -129,20 +129,20 @@ std::vector<Profile> profiles()
     free_queries.per_box = 0.0;
     free_queries.latency = 0.0;
     free_queries.per_depth_read = 20000.0;
-    DeviceCosts dear_queries;
-    dear_queries.per_test = 400.0;
+    DeviceCosts expensive_queries;
+    expensive_queries.per_test = 400.0;
     DeviceCosts late_answers;
     late_answers.latency = 2000.0;
     late_answers.per_test = 2.0;
-    DeviceCosts dear_triangles;
-    dear_triangles.per_triangle = 2.0;
-    DeviceCosts no_pixels;
-    no_pixels.per_depth_read = 50000.0; // reading depth is out of the question
+    DeviceCosts expensive_triangles;
+    expensive_triangles.per_triangle = 2.0;
+    DeviceCosts expensive_reads;
+    expensive_reads.per_depth_read = 50000.0; // reading depth is out of the question
     return {{"free queries", free_queries},
-            {"dear queries", dear_queries},
+            {"expensive queries", expensive_queries},
             {"late answers", late_answers},
-            {"dear triangles", dear_triangles},
-            {"dear read-backs", no_pixels}};
+            {"expensive triangles", expensive_triangles},
+            {"expensive read-backs", expensive_reads}};
 }
 
 class AdaptiveCosts : public testing::TestWithParam<Profile> {};

@@ -207,8 +207,8 @@ TEST(ScreenCoverage, FillsTheScreenFrontToBack)
     const double share = coverage.share(half);
     EXPECT_DOUBLE_EQ(share, 0.5);
     EXPECT_EQ(coverage.chance_covered(0.01), 0.0);
-    coverage.drew(share);
-    coverage.drew(share); // 0.75 of the screen
+    coverage.add_drawn(share);
+    coverage.add_drawn(share); // 0.75 of the screen
     EXPECT_NEAR(coverage.chance_covered(0.01), (0.8660254 - 0.1) * (0.8660254 - 0.1), 1e-6);
     EXPECT_EQ(coverage.chance_covered(0.8), 0.0);
 }
