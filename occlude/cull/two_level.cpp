@@ -32,14 +32,14 @@ void TwoLevel::reset_state()
 {
     states_.clear();
     keep_table_.clear();
-    lineage_ = hierarchy().two_level().lineage;
+    lineage_ = hierarchy().object_nodes().lineage;
     start_frame();
 }
 
 // Relinked objects change node ids, but not keys.
 void TwoLevel::structure_changed()
 {
-    const uint64_t lineage = hierarchy().two_level().lineage;
+    const uint64_t lineage = hierarchy().object_nodes().lineage;
     if (lineage == 0 || lineage != lineage_) {
         reset();
     }
@@ -50,7 +50,7 @@ void TwoLevel::structure_changed()
 // The paper finishes answered queries first in each round. There are none in the first one.
 void TwoLevel::cull_frame(CullFrame& frame)
 {
-    const TwoLevelNodes& info = hierarchy().two_level();
+    const ObjectNodes& info = hierarchy().object_nodes();
     states_.resize(info.empty() ? hierarchy().nodes().size() : info.key_count);
     spaces_.start_frame(hierarchy());
     start_frame();
@@ -388,7 +388,7 @@ bool TwoLevel::is_nearer(uint32_t a, uint32_t b) const
 
 uint32_t TwoLevel::key_of(NodeId node) const
 {
-    const TwoLevelNodes& info = hierarchy().two_level();
+    const ObjectNodes& info = hierarchy().object_nodes();
     return info.empty() ? node.value : info.key[node.value];
 }
 

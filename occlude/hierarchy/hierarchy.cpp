@@ -2,6 +2,7 @@
 
 #include <occlude/core/assert.h>
 #include <occlude/hierarchy/detail/node_sums.h>
+#include <occlude/hierarchy/detail/surface_area.h>
 
 #include <algorithm>
 #include <atomic>
@@ -11,6 +12,7 @@
 namespace occlude {
 
 using detail::merged_box;
+using detail::surface_area;
 using detail::triangle_sum;
 
 // Never decides anything but "changed", so a process-wide counter costs no determinism.
@@ -259,7 +261,7 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
     if (flags_changed) {
         collect_flagged();
     }
-    two_level_ = {}; // nobody said how the objects moved
+    object_nodes_ = {}; // nobody said how the objects moved
     refit_nodes();
     OCCLUDE_VALIDATE(validate(*this));
 }
@@ -310,7 +312,7 @@ void Hierarchy::refit(std::span<const ItemId> moved, std::span<const ItemBounds>
     if (flags_changed) {
         collect_flagged();
     }
-    two_level_ = {};
+    object_nodes_ = {};
     // Backward, so that children are finished before their parents, which they mark on the way.
     for (size_t word = marked.size(); word-- > 0;) {
         while (marked[word] != 0) {
@@ -338,36 +340,25 @@ size_t Hierarchy::memory_bytes() const
 {
     const auto bytes = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
     return bytes(nodes_) + bytes(items_) + bytes(item_bounds_) + bytes(flagged_) +
-           bytes(two_level_.object) + bytes(two_level_.box) + bytes(two_level_.key) +
-           bytes(two_level_.frames) + bytes(places_.place_of) + bytes(places_.owner_of) +
+           bytes(object_nodes_.object) + bytes(object_nodes_.box) + bytes(object_nodes_.key) +
+           bytes(object_nodes_.frames) + bytes(places_.place_of) + bytes(places_.owner_of) +
            bytes(places_.marked);
 }
 
-void Hierarchy::set_two_level(TwoLevelNodes nodes)
+void Hierarchy::set_object_nodes(ObjectNodes nodes)
 {
     const bool complete =
         nodes.empty() || (nodes.object.size() == nodes_.size() &&
                           nodes.box.size() == nodes_.size() && nodes.key.size() == nodes_.size());
-    OCCLUDE_ASSERT(complete, "a two-level tree says something of every node");
-    two_level_ = complete ? std::move(nodes) : TwoLevelNodes{};
+    OCCLUDE_ASSERT(complete,
+                   "object nodes need one object, one box and one key for each node of the tree");
+    object_nodes_ = complete ? std::move(nodes) : ObjectNodes{};
 }
 
 std::string validate(const Hierarchy& hierarchy)
 {
     std::string problem = check_structure(hierarchy);
     return problem.empty() ? check_derived(hierarchy) : problem;
-}
-
-// In double: the areas of float boxes can overflow float.
-static double area(const Aabb& box)
-{
-    if (!box.is_bounded()) {
-        return 0.0;
-    }
-    const double x = double{box.max.x} - box.min.x;
-    const double y = double{box.max.y} - box.min.y;
-    const double z = double{box.max.z} - box.min.z;
-    return 2.0 * (x * y + y * z + z * x);
 }
 
 double sah_cost(const Hierarchy& hierarchy)
@@ -378,13 +369,13 @@ double sah_cost(const Hierarchy& hierarchy)
             scene = merge(scene, item.box);
         }
     }
-    const double scene_area = area(scene);
+    const double scene_area = surface_area(scene);
     double cost = 0.0;
     for (const Node& node : hierarchy.nodes()) {
         if (!node.box.is_bounded()) {
             continue;
         }
-        const double hit = scene_area > 0.0 ? area(node.box) / scene_area : 1.0;
+        const double hit = scene_area > 0.0 ? surface_area(node.box) / scene_area : 1.0;
         cost += hit * ((node.child_count > 0 ? 1.0 : 0.0) + node.own_items);
     }
     return cost;

@@ -15,8 +15,7 @@
 
 #include <occlude/core/aabb.h>
 #include <occlude/core/ids.h>
-
-#include <glm/mat4x4.hpp>
+#include <occlude/hierarchy/object_nodes.h>
 
 #include <cstdint>
 #include <span>
@@ -65,29 +64,6 @@ struct Node {
     uint32_t leaf = 0;              ///< 1 for real and virtual leaves: nothing below is walked
 };
 static_assert(sizeof(Node) == 56);
-
-/// What the nodes of a two-level tree (two_level.h) know beyond their world boxes. All vectors are
-/// empty for other trees.
-struct TwoLevelNodes {
-    static constexpr uint32_t kScene = 0xffffffffu;
-
-    /// Where an object stands.
-    struct ObjectFrame {
-        glm::mat4 world_from_object{1.0f};
-        bool oriented = false; ///< turned or sheared: its boxes are kept in its own space
-    };
-
-    std::vector<uint32_t> object; ///< per node: an index into `frames`, or kScene
-    std::vector<Aabb> box;        ///< per node: the box to test, in the object's own space if that
-                                  ///< is oriented, else in the world; bounds the whole subtree
-    std::vector<uint32_t> key;    ///< per node: its place in what algorithms remember; stays with
-                                  ///< the node while others come and go. A key may be used again.
-    std::vector<ObjectFrame> frames;
-    uint32_t key_count = 0; ///< keys are smaller
-    uint64_t lineage = 0;   ///< the same while keys keep their meaning; 0: no two-level tree
-
-    bool empty() const { return lineage == 0; }
-};
 
 class ItemShapes;
 
@@ -159,12 +135,13 @@ public:
     /// tree. They outlast a refit, and belong to no new tree.
     void set_shapes(const ItemShapes* shapes) { shapes_ = shapes; }
 
-    /// What a two-level tree knows of its nodes; empty for other trees, and after refit().
-    const TwoLevelNodes& two_level() const { return two_level_; }
+    /// What the builder knows of the objects that nodes belong to; empty if it knows none, and
+    /// after refit(), because nobody said how the objects moved.
+    const ObjectNodes& object_nodes() const { return object_nodes_; }
     /// Precondition: one entry per node in `object`, `box` and `key`. Node ids keep their meaning.
-    void set_two_level(TwoLevelNodes nodes);
+    void set_object_nodes(ObjectNodes nodes);
     /// Takes it away, to be changed and set again.
-    TwoLevelNodes take_two_level() { return std::exchange(two_level_, {}); }
+    ObjectNodes take_object_nodes() { return std::exchange(object_nodes_, {}); }
 
     /// Changes whenever node ids or leaves lose their meaning; no two structures of a process share
     /// one, while copies do. Cullers drop what they remember when it changes.
@@ -201,7 +178,7 @@ private:
     std::vector<ItemId> items_;
     std::vector<ItemBounds> item_bounds_;
     std::vector<FlaggedItem> flagged_;
-    TwoLevelNodes two_level_;
+    ObjectNodes object_nodes_;
     PlaceIndex places_;
     const ItemShapes* shapes_ = nullptr;
     uint64_t structure_version_ = 0;

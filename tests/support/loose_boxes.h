@@ -13,7 +13,7 @@ inline size_t loose_boxes(const Hierarchy& tree)
 {
     size_t count = 0;
     for (size_t i = 0; i < tree.nodes().size(); ++i) {
-        count += tree.two_level().box[i] != tree.nodes()[i].box ? 1 : 0;
+        count += tree.object_nodes().box[i] != tree.nodes()[i].box ? 1 : 0;
     }
     return count;
 }

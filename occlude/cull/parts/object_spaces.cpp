@@ -6,7 +6,7 @@ namespace occlude {
 
 void ObjectSpaces::start_frame(const Hierarchy& hierarchy)
 {
-    spaces_.resize(hierarchy.two_level().frames.size());
+    spaces_.resize(hierarchy.object_nodes().frames.size());
     for (Space& space : spaces_) {
         space.known = false;
     }
@@ -29,14 +29,14 @@ ScreenBounds ObjectSpaces::project(const View& view, const Hierarchy& hierarchy,
 
 ObjectSpaces::Tested ObjectSpaces::tested(const View& view, const Hierarchy& hierarchy, NodeId node)
 {
-    const TwoLevelNodes& info = hierarchy.two_level();
+    const ObjectNodes& info = hierarchy.object_nodes();
     const Aabb& world_box = hierarchy.node(node).box;
     if (info.empty()) {
         return {world_box};
     }
     const uint32_t object = info.object[node.value];
     const Aabb& box = info.box[node.value];
-    if (object == TwoLevelNodes::kScene || !info.frames[object].oriented) {
+    if (object == ObjectNodes::kScene || !info.frames[object].oriented) {
         return {box};
     }
     const Space& space = space_of(view, hierarchy, object);
@@ -52,7 +52,7 @@ const ObjectSpaces::Space& ObjectSpaces::space_of(const View& view, const Hierar
     OCCLUDE_ASSERT(object < spaces_.size(), "start_frame() saw another tree");
     Space& space = spaces_[object];
     if (!space.known) {
-        const glm::mat4& map = hierarchy.two_level().frames[object].world_from_object;
+        const glm::mat4& map = hierarchy.object_nodes().frames[object].world_from_object;
         const float shrink = inverse_stretch(map);
         space.known = true;
         space.usable = shrink > 0.0f;

@@ -111,7 +111,7 @@ TEST(TwoLevelTree, SimpleObjectsAreItemsAndComplexOnesAreSubtrees)
     EXPECT_EQ(world.tree.check(), "");
     // 0 (1 item | 2 (3 (4 5) 6 (7 8))): the planes part the two objects.
     EXPECT_EQ(tree.items().size(), 5u);
-    const TwoLevelNodes& info = tree.two_level();
+    const ObjectNodes& info = tree.object_nodes();
     size_t of_row = 0;
     for (const uint32_t object : info.object) {
         of_row += object == row ? 1 : 0;
@@ -121,7 +121,7 @@ TEST(TwoLevelTree, SimpleObjectsAreItemsAndComplexOnesAreSubtrees)
     const NodeId leaf = world.node_of(1);
     EXPECT_EQ(tree.node(leaf).own_items, 1u);
     EXPECT_EQ(info.object[leaf.value], row);
-    EXPECT_EQ(info.object[world.node_of(0).value], TwoLevelNodes::kScene);
+    EXPECT_EQ(info.object[world.node_of(0).value], ObjectNodes::kScene);
 }
 
 TEST(TwoLevelTree, AStraddlingObjectStaysInTheInnerNode)
@@ -133,7 +133,7 @@ TEST(TwoLevelTree, AStraddlingObjectStaysInTheInnerNode)
     const auto long_one = world.add({-1, 0, 0}, 30); // from -1 to 29, over all planes along x
     world.update();
     EXPECT_EQ(world.tree.check(), "");
-    const TwoLevelNodes& info = world.tree.hierarchy().two_level();
+    const ObjectNodes& info = world.tree.hierarchy().object_nodes();
     NodeId root_of_long;
     for (size_t i = info.object.size(); i-- > 0;) {
         root_of_long = info.object[i] == long_one ? NodeId{i} : root_of_long;
@@ -149,7 +149,7 @@ TEST(TwoLevelTree, ATurnedObjectIsTestedInItsOwnSpace)
     world.move(row, glm::rotate(glm::mat4{1.0f}, 0.7f, glm::vec3{0, 0, 1}));
     world.update();
     EXPECT_EQ(world.tree.check(), "");
-    const TwoLevelNodes& info = world.tree.hierarchy().two_level();
+    const ObjectNodes& info = world.tree.hierarchy().object_nodes();
     ASSERT_TRUE(info.frames[row].oriented);
     bool found = false;
     for (size_t i = 0; i < info.object.size(); ++i) {
@@ -168,12 +168,12 @@ TEST(TwoLevelTree, AMovedObjectIsRelinkedAndItsNodesKeepTheirKeys)
     world.update();
     EXPECT_EQ(world.tree.rebuild_count(), 1u);
     const auto key_of = [&](uint32_t item) {
-        return world.tree.hierarchy().two_level().key[world.node_of(item).value];
+        return world.tree.hierarchy().object_nodes().key[world.node_of(item).value];
     };
     const uint32_t key = key_of(0);
     const uint32_t other = key_of(9);
     const uint64_t version = world.tree.hierarchy().structure_version();
-    const uint64_t lineage = world.tree.hierarchy().two_level().lineage;
+    const uint64_t lineage = world.tree.hierarchy().object_nodes().lineage;
 
     world.move(slots[0], at(0.01f, 0, 0)); // stays in its cell: no new structure
     world.update();
@@ -185,7 +185,7 @@ TEST(TwoLevelTree, AMovedObjectIsRelinkedAndItsNodesKeepTheirKeys)
     world.update();
     EXPECT_EQ(world.tree.relink_count(), 1u);
     EXPECT_NE(world.tree.hierarchy().structure_version(), version);
-    EXPECT_EQ(world.tree.hierarchy().two_level().lineage, lineage);
+    EXPECT_EQ(world.tree.hierarchy().object_nodes().lineage, lineage);
     EXPECT_EQ(world.tree.check(), "");
     EXPECT_EQ(key_of(0), key);
     EXPECT_EQ(key_of(9), other);
@@ -248,13 +248,13 @@ TEST(TwoLevelTree, FewMovedObjectsLeaveTheTreeThatAFullRefitGives)
         Hierarchy expected = tree;
         expected.refit(world.bounds);
         ASSERT_TRUE(test::same_tree(tree, expected)) << "frame " << frame;
-        const TwoLevelNodes& info = tree.two_level();
+        const ObjectNodes& info = tree.object_nodes();
         for (const auto& [slot, object] : world.objects) {
             ASSERT_EQ(info.frames[slot].world_from_object, world.places[slot]);
         }
         for (size_t i = 0; i < tree.nodes().size(); ++i) {
             const bool oriented =
-                info.object[i] != TwoLevelNodes::kScene && info.frames[info.object[i]].oriented;
+                info.object[i] != ObjectNodes::kScene && info.frames[info.object[i]].oriented;
             in_own_space += oriented ? 1 : 0;
             if (oriented) { // rows of cubes from the origin, in their own space
                 ASSERT_EQ(info.box[i].min.y, 0.0f);
@@ -313,7 +313,7 @@ TEST(TwoLevelTree, RestlessNodesAreTestedAsCellsUntilTheyAreQuiet)
     const auto is_tight = [&](uint32_t item) {
         const NodeId node = world.node_of(item);
         const Hierarchy& tree = world.tree.hierarchy();
-        return tree.two_level().box[node.value] == tree.node(node).box;
+        return tree.object_nodes().box[node.value] == tree.node(node).box;
     };
     for (int frame = 0; frame < 5; ++frame) {
         world.update();
