@@ -1,8 +1,8 @@
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <occlude/core/assert.h>
+#include <occlude/hierarchy/detail/box_area.h>
 #include <occlude/hierarchy/detail/node_sums.h>
-#include <occlude/hierarchy/detail/surface_area.h>
 
 #include <algorithm>
 #include <atomic>
@@ -11,8 +11,8 @@
 
 namespace occlude {
 
+using detail::box_area;
 using detail::merged_box;
-using detail::surface_area;
 using detail::triangle_sum;
 
 // Never decides anything but "changed", so a process-wide counter costs no determinism.
@@ -369,13 +369,13 @@ double sah_cost(const Hierarchy& hierarchy)
             scene = merge(scene, item.box);
         }
     }
-    const double scene_area = surface_area(scene);
+    const double scene_area = box_area(scene);
     double cost = 0.0;
     for (const Node& node : hierarchy.nodes()) {
         if (!node.box.is_bounded()) {
             continue;
         }
-        const double hit = scene_area > 0.0 ? surface_area(node.box) / scene_area : 1.0;
+        const double hit = scene_area > 0.0 ? box_area(node.box) / scene_area : 1.0;
         cost += hit * ((node.child_count > 0 ? 1.0 : 0.0) + node.own_items);
     }
     return cost;

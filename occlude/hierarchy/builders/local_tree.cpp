@@ -1,6 +1,6 @@
 #include <occlude/hierarchy/builders/local_tree.h>
 
-#include <occlude/hierarchy/detail/surface_area.h>
+#include <occlude/hierarchy/detail/box_area.h>
 
 #include <algorithm>
 #include <numeric>
@@ -8,7 +8,7 @@
 
 namespace occlude {
 
-using detail::surface_area;
+using detail::box_area;
 
 namespace {
 
@@ -40,7 +40,7 @@ struct LocalBuilder {
             from_right[i] = merge(from_right[i + 1], boxes[parts[i]]);
         }
         std::pair<double, size_t> best{Aabb::kInfinity, parts.size() / 2};
-        const double whole = surface_area(from_right[0]) * static_cast<double>(parts.size());
+        const double whole = box_area(from_right[0]) * static_cast<double>(parts.size());
         Aabb left;
         for (size_t cut = 1; cut < parts.size(); ++cut) {
             left = merge(left, boxes[parts[cut - 1]]);
@@ -49,7 +49,7 @@ struct LocalBuilder {
             const auto rest = static_cast<double>(parts.size() - cut);
             const bool overlap = left.max[axis] > right.min[axis];
             const double cost =
-                surface_area(left) * count + surface_area(right) * rest + (overlap ? whole : 0.0);
+                box_area(left) * count + box_area(right) * rest + (overlap ? whole : 0.0);
             if (cost < best.first) {
                 best = {cost, cut};
             }

@@ -1,7 +1,7 @@
 // How the scene BSP is built, and which part of it is built again.
 #include <occlude/hierarchy/builders/detail/scene_bsp.h>
 
-#include <occlude/hierarchy/detail/surface_area.h>
+#include <occlude/hierarchy/detail/box_area.h>
 
 #include <algorithm>
 #include <utility>
@@ -47,7 +47,7 @@ bool SceneBsp::choose_plane(std::span<const Slot> slots, Plane& best) const
             items += object.item_count;
             ++objects;
         }
-        double cost() const { return surface_area(box) * items; }
+        double cost() const { return box_area(box) * items; }
     };
     Side all;
     Aabb middles;
@@ -72,7 +72,7 @@ bool SceneBsp::choose_plane(std::span<const Slot> slots, Plane& best) const
                                                          : straddling;
                 side.add(objects_[slot]);
             }
-            const double cost = low.cost() + high.cost() + surface_area(all.box) * straddling.items;
+            const double cost = low.cost() + high.cost() + box_area(all.box) * straddling.items;
             if (low.objects + high.objects > 0 && cost < least) {
                 least = cost;
                 best = plane;

@@ -6,7 +6,7 @@
 namespace occlude::detail {
 
 /// 0 for boxes that are empty or unbounded. In double: the areas of float boxes can overflow float.
-inline double surface_area(const Aabb& box)
+inline double box_area(const Aabb& box)
 {
     if (!box.is_bounded()) {
         return 0.0;
