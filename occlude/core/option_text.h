@@ -1,12 +1,17 @@
-// Options as text: structs whose options visit_options() names are described, and set by name.
+// Options as text: a struct whose options visit_options() names can be described, and set by name.
 //
-// visit_options(options, visit) calls visit(name, value, description) for each option: bool, a
-// number, or an enum whose values option_names() lists.
+// visit_options(options, visit) says of each option once what there is to know:
+//
+//   visit("refine", o.refine, "description")                    a bool, or an enum whose values
+//                                                               option_names() lists
+//   visit("cell_size", o.cell_size, {1, 4096}, "description")   a number, and its range
+//   visit("seed", o.seed, "description")                        any number from 0 on
 #pragma once
+
+#include <occlude/core/option_range.h>
 
 #include <charconv>
 #include <cstddef>
-#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,6 +26,7 @@ struct OptionInfo {
     std::string name;
     std::string default_value;
     std::string description;
+    std::string accepted_values; ///< "a whole number from 1 to 4096", "one of off on"
 };
 
 /// Name and value.
@@ -77,19 +83,119 @@ std::string accepted_values(const T& value)
 {
     if constexpr (std::is_same_v<T, bool>) {
         return "true or false";
-    } else if constexpr (std::is_enum_v<T>) {
+    } else {
         std::string text = "one of";
         for (const std::string_view name : option_names(value)) {
             text += ' ';
             text += name;
         }
         return text;
-    } else if constexpr (std::is_integral_v<T>) {
-        return "a whole number from 0 to " + std::to_string(std::numeric_limits<T>::max());
-    } else {
-        return "a number";
     }
 }
+
+template <OptionNumber T>
+std::string accepted_values(const OptionRange<T>& range)
+{
+    const std::string kind = std::is_integral_v<T> ? "a whole number" : "a number";
+    if (!std::is_integral_v<T> && range.most == OptionRange<T>{}.most) {
+        return kind + " that is at least " + to_text(range.least);
+    }
+    return kind + " from " + to_text(range.least) + " to " + to_text(range.most);
+}
+
+// A visitor for describe_options().
+class OptionDescriber {
+public:
+    template <class T>
+    requires(!OptionNumber<T>) void operator()(const char* name, const T& value,
+                                               const char* description)
+    {
+        std::string text = description;
+        if constexpr (std::is_enum_v<T>) {
+            text += " (" + accepted_values(value) + ")";
+        }
+        infos.push_back({name, to_text(value), std::move(text), accepted_values(value)});
+    }
+    template <OptionNumber T>
+    void operator()(const char* name, const T& value, const char* description)
+    {
+        (*this)(name, value, {}, description);
+    }
+    template <OptionNumber T>
+    void operator()(const char* name, const T& value, OptionRange<std::type_identity_t<T>> range,
+                    const char* description)
+    {
+        infos.push_back({name, to_text(value), description, accepted_values(range)});
+    }
+
+    std::vector<OptionInfo> infos;
+};
+
+// A visitor that sets one option from text.
+class OptionSetter {
+public:
+    explicit OptionSetter(const OptionValue& setting)
+        : setting_(setting)
+    {
+    }
+
+    template <class T>
+    requires(!OptionNumber<T>) void operator()(const char* name, T& value, const char*)
+    {
+        if (is_it(name) && !from_text(setting_.second, value)) {
+            refuse(accepted_values(value));
+        }
+    }
+    template <OptionNumber T>
+    void operator()(const char* name, T& value, const char* description)
+    {
+        (*this)(name, value, {}, description);
+    }
+    template <OptionNumber T>
+    void operator()(const char* name, T& value, OptionRange<std::type_identity_t<T>> range,
+                    const char*)
+    {
+        if (!is_it(name)) {
+            return;
+        }
+        T read{};
+        if (from_text(setting_.second, read) && range.contains(read)) {
+            value = read;
+        } else {
+            refuse(accepted_values(range));
+        }
+    }
+
+    // What is wrong with the setting; the empty string if nothing is.
+    std::string problem() const
+    {
+        if (known_) {
+            return problem_;
+        }
+        return "there is no option '" + setting_.first + "'; " +
+               (names_.empty() ? "it has none" : "it has " + names_);
+    }
+
+private:
+    bool is_it(const char* name)
+    {
+        names_ += names_.empty() ? "" : ", ";
+        names_ += name;
+        const bool same = setting_.first == name;
+        known_ = known_ || same;
+        return same;
+    }
+    void refuse(const std::string& accepted)
+    {
+        problem_ =
+            "option '" + setting_.first + "' cannot be '" + setting_.second + "': give " + accepted;
+    }
+
+    const OptionValue& setting_;
+    bool known_ = false;
+    std::string names_;
+    std::string problem_;
+};
 
 } // namespace detail
 
@@ -97,16 +203,10 @@ std::string accepted_values(const T& value)
 template <class Options>
 std::vector<OptionInfo> describe_options()
 {
-    std::vector<OptionInfo> infos;
     Options defaults;
-    visit_options(defaults, [&](const char* name, const auto& value, const char* description) {
-        std::string text = description;
-        if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(value)>>) {
-            text += " (" + detail::accepted_values(value) + ")";
-        }
-        infos.push_back({name, detail::to_text(value), text});
-    });
-    return infos;
+    detail::OptionDescriber describer;
+    visit_options(defaults, describer);
+    return std::move(describer.infos);
 }
 
 /// Sets one option by name. The empty string, or what is wrong: the unknown name with the known
@@ -114,26 +214,9 @@ std::vector<OptionInfo> describe_options()
 template <class Options>
 std::string apply_option(Options& options, const OptionValue& setting)
 {
-    bool known = false;
-    std::string problem;
-    std::string names;
-    visit_options(options, [&](const char* name, auto& value, const char*) {
-        names += names.empty() ? "" : ", ";
-        names += name;
-        if (setting.first != name) {
-            return;
-        }
-        known = true;
-        if (!detail::from_text(setting.second, value)) {
-            problem = "option '" + setting.first + "' cannot be '" + setting.second + "': give " +
-                      detail::accepted_values(value);
-        }
-    });
-    if (!known) {
-        problem = "there is no option '" + setting.first + "'; " +
-                  (names.empty() ? "it has none" : "it has " + names);
-    }
-    return problem;
+    detail::OptionSetter setter(setting);
+    visit_options(options, setter);
+    return setter.problem();
 }
 
 /// Sets all of `values`, in their order, up to the first that is wrong.

@@ -4,7 +4,7 @@
 
 namespace occlude {
 
-Adaptive::Adaptive(const Hierarchy& hierarchy, AdaptiveOptions options, SecondsClock clock)
+Adaptive::Adaptive(HierarchyRef hierarchy, AdaptiveOptions options, SecondsClock clock)
     : Culler(hierarchy)
     , options_(options)
     , shared_(hierarchy, options, options.measure ? std::move(clock) : SecondsClock{})

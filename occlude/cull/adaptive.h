@@ -55,7 +55,7 @@ constexpr auto option_names(AdaptiveOptions::Method)
 class Adaptive final : public Culler {
 public:
     /// Without a clock costs are what the device's hints say.
-    explicit Adaptive(const Hierarchy& hierarchy, AdaptiveOptions options = {},
+    explicit Adaptive(HierarchyRef hierarchy, AdaptiveOptions options = {},
                       SecondsClock clock = {});
 
     const CostModel& costs() const { return shared_.costs(); }
@@ -87,15 +87,15 @@ template <class Visit>
 void visit_options(AdaptiveOptions& o, Visit&& visit)
 {
     visit("method", o.method, "how tests are made; automatic: in the cheapest way");
-    visit("probe_share", o.probe_share,
+    visit("probe_share", o.probe_share, {0.0f, 1.0f},
           "share of the time that probes may take while everything is drawn");
-    visit("keep_margin", o.keep_margin,
+    visit("keep_margin", o.keep_margin, {},
           "tests must hide this many times their cost, or everything is drawn");
-    visit("start_margin", o.start_margin,
+    visit("start_margin", o.start_margin, {},
           "a probe must promise this many times its cost before anything is tested again");
     visit("measure", o.measure,
           "measure costs by the clock; false: the device's hints, repeatable");
-    visit("seed", o.seed, "seed of the choice of nodes that become one entry of the cut again");
+    visit("seed", o.seed, {}, "seed of the choice of nodes that become one entry of the cut again");
     visit("shapes", o.shapes,
           "test the boxes of an item's shape where the item's own box is not hidden");
 }

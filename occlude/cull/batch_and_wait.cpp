@@ -42,7 +42,7 @@ void BatchAndWait::cull_frame(CullFrame& frame)
     if (options_.depth_only_pass) {
         frame.use_depth_only_pass();
     }
-    // What is not tested is drawn first: it hides the rest.
+    // Objects that are not tested are drawn first: they hide others.
     tested_.clear();
     for (const ObjectTests::Object& object : tests_.collect_near_to_far(frame)) {
         if (frame.near(object.node)) {

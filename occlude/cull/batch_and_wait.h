@@ -19,6 +19,7 @@
 //             back: no hierarchy saves tests, and no coherence.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/object_tests.h>
 
@@ -35,18 +36,17 @@ struct BatchAndWaitOptions {
     /// An object with at most this many visible samples is hidden. Above 0 the image is
     /// approximate.
     uint64_t threshold = 0;
-    /// Tests against a depth-only pass, the first of the passes of what is drawn, and then shades
-    /// everything drawn in one batch.
+    /// Draws a depth-only pass and tests against it, then shades everything drawn in one batch.
     bool depth_only_pass = false;
     ObjectTestOptions tests = {};
 };
 
 class BatchAndWait final : public Culler {
 public:
-    explicit BatchAndWait(const Hierarchy& hierarchy, BatchAndWaitOptions options = {})
+    explicit BatchAndWait(HierarchyRef hierarchy, BatchAndWaitOptions options = {})
         : Culler(hierarchy)
-        , options_(options)
-        , tests_(options.tests)
+        , options_(clamped(options))
+        , tests_(options_.tests)
     {
     }
 
@@ -69,10 +69,12 @@ private:
 template <class Visit>
 void visit_options(BatchAndWaitOptions& o, Visit&& visit)
 {
-    visit("batch_size", o.batch_size, "n: queries before the first result is read; 0: all");
-    visit("occluder_share", o.occluder_share,
+    visit("batch_size", o.batch_size, {0, 65536},
+          "n: queries before the first result is read; 0: all");
+    visit("occluder_share", o.occluder_share, {0.0f, 2.0f},
           "objects of at least this share of the screen are drawn first, untested");
-    visit("threshold", o.threshold, "samples up to which an object is hidden; above 0 not exact");
+    visit("threshold", o.threshold, {},
+          "samples up to which an object is hidden; above 0 not exact");
     visit("depth_only_pass", o.depth_only_pass, "test against a depth-only pass, then shade once");
     visit_options(o.tests, visit);
 }

@@ -9,18 +9,17 @@
 //             PullUpVisibility             -> pull_up_visibility
 //             Q.visiblePixels > threshold  -> is_visible (cull_frame.h)
 // Deviations  The listing prints its second `else` one level too far left, so that nodes outside
-// the
-//             frustum would be traversed; here it belongs to "was visible". A node counts as
+//             the frustum would be traversed; here it belongs to "was visible". A node counts as
 //             visible before only if it was also visited in the frame before (rule R8). Boxes that
 //             the near plane may touch are not tested (R1). Pulling up stops at the root (R9).
 // Guarantees  exact with threshold 0: a previously hidden node is always tested in this frame, and
-// its
-//             result is used in this frame.
+//             its result is used in this frame.
 // Cost        about one test per visible leaf and one per node of the hidden boundary, each with
-// two
-//             changes of state: with many visible leaves this can be slower than frustum culling.
+//             two changes of state: with many visible leaves this can be slower than frustum
+//             culling.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/distance_queue.h>
 #include <occlude/cull/parts/fifo.h>
@@ -39,7 +38,7 @@ struct ChcOptions {
         geometry, ///< by the samples that pass while they are drawn
     };
     VisibleTest visible_test = VisibleTest::box;
-    /// A leaf found visible is taken as visible, untested, for this many frames more.
+    /// A leaf found visible is drawn without a test in this many frames after.
     uint32_t assume_visible_frames = 0;
     /// A node with at most this many visible samples is hidden. Above 0 the image is approximate.
     uint64_t threshold = 0;
@@ -47,9 +46,9 @@ struct ChcOptions {
 
 class Chc final : public Culler {
 public:
-    explicit Chc(const Hierarchy& hierarchy, ChcOptions options = {})
+    explicit Chc(HierarchyRef hierarchy, ChcOptions options = {})
         : Culler(hierarchy)
-        , options_(options)
+        , options_(clamped(options))
     {
     }
 
@@ -94,9 +93,9 @@ template <class Visit>
 void visit_options(ChcOptions& o, Visit&& visit)
 {
     visit("visible_test", o.visible_test, "how visible leaves are tested");
-    visit("assume_visible_frames", o.assume_visible_frames,
+    visit("assume_visible_frames", o.assume_visible_frames, {0, 1'000'000},
           "frames for which a leaf found visible is drawn without a test");
-    visit("threshold", o.threshold, "samples up to which a node is hidden; above 0 not exact");
+    visit("threshold", o.threshold, {}, "samples up to which a node is hidden; above 0 not exact");
 }
 
 } // namespace occlude

@@ -6,13 +6,10 @@
 
 namespace occlude {
 
-ChcPlusPlus::ChcPlusPlus(const Hierarchy& hierarchy, ChcPlusPlusOptions options)
+ChcPlusPlus::ChcPlusPlus(HierarchyRef hierarchy, ChcPlusPlusOptions options)
     : Culler(hierarchy)
-    , options_(options)
+    , options_(clamped(options))
 {
-    options_.batch_size = std::max(options_.batch_size, 1u);
-    options_.v_fill = std::max(options_.v_fill, 1u);
-    options_.assume_visible_frames = std::max(options_.assume_visible_frames, 1u);
 }
 
 void ChcPlusPlus::reset_state()
@@ -71,7 +68,7 @@ void ChcPlusPlus::traverse_node(CullFrame& frame, NodeId node, Decision decision
 }
 
 // Figure 8.4.4: the first test of a node that turned visible comes after 1 .. n_av frames at
-// random, so that nodes that turn visible together are not tested together for ever after.
+// random, so that nodes that turn visible together are not tested together in all frames to come.
 uint32_t ChcPlusPlus::first_test_after(uint32_t stamp, NodeId node) const
 {
     const uint32_t n_av = options_.assume_visible_frames;

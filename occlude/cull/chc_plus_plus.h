@@ -29,6 +29,7 @@
 //             tens of state changes per frame.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/cull_frame.h>
@@ -85,7 +86,7 @@ struct ChcPlusPlusOptions {
 
 class ChcPlusPlus final : public Culler {
 public:
-    explicit ChcPlusPlus(const Hierarchy& hierarchy, ChcPlusPlusOptions options = {});
+    explicit ChcPlusPlus(HierarchyRef hierarchy, ChcPlusPlusOptions options = {});
 
     /// True if `node` was found visible in the last frame; for tests of the pull-up invariant.
     bool visible(NodeId node) const;
@@ -150,23 +151,25 @@ constexpr std::array<std::string_view, 3> option_names(ChcPlusPlusOptions::Multi
 template <class Visit>
 void visit_options(ChcPlusPlusOptions& o, Visit&& visit)
 {
-    visit("batch_size", o.batch_size,
+    visit("batch_size", o.batch_size, {1, 1'000'000},
           "b: nodes in the i-queue before it is tested; 1: no batching");
     visit("v_queue", o.v_queue, "visible leaves wait in the v-queue and fill waits");
-    visit("v_fill", o.v_fill, "leaves of the v-queue that fill one wait");
+    visit("v_fill", o.v_fill, {1, 1'000'000}, "leaves of the v-queue that fill one wait");
     visit("render_queue", o.render_queue, "leaves wait in the render queue until the next tests");
-    visit("min_render_triangles", o.min_render_triangles,
+    visit("min_render_triangles", o.min_render_triangles, {},
           "render queue is not flushed before tests while it holds fewer triangles");
-    visit("assume_visible_frames", o.assume_visible_frames,
+    visit("assume_visible_frames", o.assume_visible_frames, {1, 1'000'000},
           "n_av: a visible leaf is tested every this many frames");
     visit("jitter", o.jitter, "randomise the first test of a leaf that turned visible");
-    visit("tight_bounds_depth", o.tight_bounds_depth, "d_max: levels of tight bounds; 0: off");
-    visit("tight_bounds_area", o.tight_bounds_area, "s_max: their area over the node's area");
+    visit("tight_bounds_depth", o.tight_bounds_depth, {0, 32},
+          "d_max: levels of tight bounds; 0: off");
+    visit("tight_bounds_area", o.tight_bounds_area, {0.0f, 1000.0f},
+          "s_max: their area over the node's area");
     visit("virtual_leaves", o.virtual_leaves, "virtual leaves of the hierarchy count as leaves");
     visit("multiqueries", o.multiqueries, "group long-hidden nodes in one test");
     visit("depth_only_pass", o.depth_only_pass, "cull in a depth-only pass, then shade once");
-    visit("threshold", o.threshold, "samples up to which a node is hidden; above 0 not exact");
-    visit("seed", o.seed, "of the jitter");
+    visit("threshold", o.threshold, {}, "samples up to which a node is hidden; above 0 not exact");
+    visit("seed", o.seed, {}, "of the jitter");
 }
 
 } // namespace occlude

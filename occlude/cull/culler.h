@@ -1,4 +1,4 @@
-// What every algorithm is to its user: an object per view that culls one frame per call.
+// The interface of every algorithm: an object per view that culls one frame per call.
 #pragma once
 
 #include <occlude/core/frame_report.h>
@@ -12,14 +12,30 @@
 
 namespace occlude {
 
+/// A hierarchy that outlives the expression it is named in. A temporary would be gone before the
+/// first frame, so `ChcPlusPlus culler(build_bvh(items));` does not compile.
+class HierarchyRef {
+public:
+    HierarchyRef(const Hierarchy& hierarchy) // implicit, so that callers pass the hierarchy itself
+        : hierarchy_(&hierarchy)
+    {
+    }
+    HierarchyRef(const Hierarchy&& temporary) = delete;
+
+    operator const Hierarchy&() const { return *hierarchy_; }
+
+private:
+    const Hierarchy* hierarchy_;
+};
+
 /// One view's culler over one hierarchy: it owns the view's temporal state. Two eyes, a shadow map
 /// and a reflection are four cullers over one hierarchy. Not thread-safe; different cullers may run
 /// in different threads on different devices, since the hierarchy is const while culling.
 class Culler {
 public:
-    /// Keeps a reference: `hierarchy` outlives the culler. It may be refitted or replaced in place
-    /// between frames; a changed structure resets the culler by itself.
-    explicit Culler(const Hierarchy& hierarchy)
+    /// Keeps a reference: `hierarchy` outlives the culler and stays where it is. It may be refitted
+    /// or assigned another one between frames; a changed structure resets the culler by itself.
+    explicit Culler(HierarchyRef hierarchy)
         : hierarchy_(hierarchy)
     {
     }
@@ -27,10 +43,12 @@ public:
     Culler(const Culler&) = delete;
     Culler& operator=(const Culler&) = delete;
 
-    /// Culls and draws one whole frame: begin_frame to end_frame on `device`.
+    /// Culls and draws one whole frame: begin_frame to end_frame on `device`. An exception from
+    /// `device` passes through, after end_frame; the next cull() then starts from a reset.
     FrameReport cull(const View& view, QueryDevice& device);
 
-    /// Forgets everything seen: for a camera cut, a new level, another device.
+    /// Forgets everything seen and all work under way: for a camera cut, a new level, another
+    /// device. Tests without an answer are abandoned: the next frames spend their tickets.
     void reset();
 
     /// Forgets everything seen, and spends the tickets that it still owes `device`, the one of its
@@ -41,8 +59,8 @@ public:
     /// The items drawn by the last cull(), in draw order, each once. Valid until the next cull().
     std::span<const ItemId> drawn_items() const { return record_.drawn_items; }
 
-    /// What the last cull() decided, and why; of a never_cull item: what would have become of it.
-    /// Valid until the next cull().
+    /// The decisions of the last cull(), and why; of a never_cull item, the decision about its
+    /// node. Valid until the next cull().
     const DecisionLog& decisions() const { return record_.decisions; }
 
     const Hierarchy& hierarchy() const { return hierarchy_; }
@@ -50,6 +68,8 @@ public:
 protected:
     /// One frame of the algorithm. `frame` counts from 0 since the last reset.
     virtual void cull_frame(class CullFrame& frame) = 0;
+    /// Clears what cull_frame() has left behind: states, queues, batches. The last frame may have
+    /// ended in the middle.
     virtual void reset_state() = 0;
     /// The hierarchy's node ids have lost their meaning since the last frame. Forgets everything,
     /// unless an algorithm knows better.
@@ -58,13 +78,14 @@ protected:
 
     /// Gives up a test that is not answered yet: the frames to come spend its ticket as soon as its
     /// answer is there, so that the device can use the place for another test.
-    void abandon(Ticket ticket) { record_.abandoned_tickets.push_back(ticket); }
+    void abandon(Ticket ticket) { record_.tickets.abandon(ticket); }
 
 private:
     const Hierarchy& hierarchy_;
     uint64_t seen_structure_ = 0;
     uint64_t next_frame_ = 0;
-    FrameRecord record_; ///< of the last frame
+    bool in_frame_ = false; ///< cull() was entered and did not return
+    FrameRecord record_;    ///< of the last frame
 };
 
 } // namespace occlude

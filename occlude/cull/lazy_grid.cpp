@@ -12,8 +12,6 @@ using Traversal = LazyGridOptions::Traversal;
 using Source = LazyGridOptions::Source;
 using Bounds = LazyGridOptions::Bounds;
 
-constexpr uint32_t kMaxCellSize = 1 << 15; // pixels
-
 // Heaps with the frontmost volume on top; of equally near ones that with the smallest id.
 constexpr auto by_znear = [](const auto& a, const auto& b) {
     return a.bounds.near_depth != b.bounds.near_depth ? a.bounds.near_depth > b.bounds.near_depth
@@ -42,13 +40,12 @@ void push(std::vector<Volume>& heap, const Volume& volume, Order order)
 
 } // namespace
 
-LazyGrid::LazyGrid(const Hierarchy& hierarchy, LazyGridOptions options)
+LazyGrid::LazyGrid(HierarchyRef hierarchy, LazyGridOptions options)
     : Culler(hierarchy)
-    , options_(options)
+    , options_(clamped(options))
     , read_back_(options_.join, options_.whole_cell_share)
     , queries_(options_.join, options_.whole_cell_share)
 {
-    options_.cell_size = std::clamp(options_.cell_size, 1u, kMaxCellSize);
     if (options_.variant == Variant::occlusion_buffer) {
         // Covered pixels hide a box only if everything that covers them is nearer than the box.
         options_.traversal = Traversal::two_lists;
@@ -74,7 +71,7 @@ bool LazyGrid::is_occluded(CullFrame& frame, const Volume& volume)
            !border_cell_is_free_with_pixel_query(frame, volume);
 }
 
-// What is_occluded() says if the states of the cells are enough.
+// The answer of is_occluded() where the states of the cells are enough for it.
 LazyGrid::Verdict LazyGrid::verdict_of_states(const Volume& volume)
 {
     if (!volume.bounds.valid) {
@@ -179,7 +176,7 @@ bool LazyGrid::is_improbable(const OcclusionGrid::Cell& cell) const
     return static_cast<double>(cell.covered) < options_.free_below_covered;
 }
 
-// With Bounds::faces the box of a volume with items is compared as what is between its faces.
+// With Bounds::faces the box of a volume with items is compared as the space between its faces.
 void LazyGrid::choose_faces(const Volume& volume)
 {
     const bool by_faces = options_.bounds == Bounds::faces && has_objects(volume.node);
@@ -251,8 +248,8 @@ std::span<const LazyGrid::Volume> LazyGrid::frontmost(std::span<const Volume> he
 }
 
 // True if the frontmost volume of the draw list lies wholly before all of `tests`. With equal
-// depths the test comes first: what is drawn is then nearer than everything that is not tested yet,
-// as the occlusion buffer needs it.
+// depths the test comes first: every drawn volume is then nearer than everything that is not tested
+// yet, as the occlusion buffer needs it.
 bool LazyGrid::draw_comes_before(std::span<const Volume> tests) const
 {
     return !draw_list_.empty() && std::all_of(tests.begin(), tests.end(), [&](const Volume& test) {
@@ -274,7 +271,7 @@ void LazyGrid::test(CullFrame& frame, const Volume& volume)
     }
 }
 
-// Tests all of them before anything is drawn. What they reveal goes to the device at once, so that
+// Tests all of them before anything is drawn. Revealed objects go to the device at once, so that
 // it draws while the next tests are found.
 void LazyGrid::test_waiting(CullFrame& frame)
 {

@@ -35,6 +35,7 @@
 //             device to finish. A cell asked costs the reading of at most cell_size^2 pixels.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/cell_pixels.h>
 #include <occlude/cull/parts/cull_frame.h>
@@ -99,7 +100,7 @@ struct LazyGridOptions {
 
 class LazyGrid final : public Culler {
 public:
-    explicit LazyGrid(const Hierarchy& hierarchy, LazyGridOptions options = {});
+    explicit LazyGrid(HierarchyRef hierarchy, LazyGridOptions options = {});
 
     /// The cells as the last frame left them.
     const OcclusionGrid& grid() const { return grid_; }
@@ -199,14 +200,14 @@ void visit_options(LazyGridOptions& o, Visit&& visit)
     visit("source", o.source, "how pixels are looked at: read back, or by occlusion queries");
     visit("join", o.join, "what one read-back or query batch takes");
     visit("bounds", o.bounds, "what is compared with depth: a box's rectangle, or its faces");
-    visit("cell_size", o.cell_size, "side of a cell in pixels");
-    visit("tests_at_once", o.tests_at_once,
+    visit("cell_size", o.cell_size, {1, 32768}, "side of a cell in pixels");
+    visit("tests_at_once", o.tests_at_once, {1, 1'000'000},
           "how many tests that need pixels wait for each other; 1: none, as in the paper");
-    visit("free_below_covered", o.free_below_covered,
+    visit("free_below_covered", o.free_below_covered, {},
           "a cell is free, unasked, while drawn boxes cover less than this share of it; 0: off");
-    visit("whole_cell_share", o.whole_cell_share,
+    visit("whole_cell_share", o.whole_cell_share, {0.0, 1.0},
           "a border cell is asked as a whole if the box covers this share of it; 0: off");
-    visit("internal_above_pixels", o.internal_above_pixels,
+    visit("internal_above_pixels", o.internal_above_pixels, {},
           "a box of at least this many pixels has only internal cells; 0: off");
 }
 

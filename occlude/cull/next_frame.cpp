@@ -5,13 +5,11 @@
 
 namespace occlude {
 
-NextFrame::NextFrame(const Hierarchy& hierarchy, NextFrameOptions options)
+NextFrame::NextFrame(HierarchyRef hierarchy, NextFrameOptions options)
     : Culler(hierarchy)
-    , options_(options)
-    , tests_(options.tests)
+    , options_(clamped(options))
+    , tests_(options_.tests)
 {
-    options_.max_latency = std::max(options_.max_latency, 1u);
-    options_.visible_interval = std::max(options_.visible_interval, 1u);
 }
 
 Guarantee NextFrame::guarantee() const
@@ -35,9 +33,6 @@ uint64_t NextFrame::visible_samples(NodeId object) const
 
 void NextFrame::reset_state()
 {
-    for (const NodeId object : pending_) {
-        abandon(states_[object.value].ticket);
-    }
     pending_.clear();
     states_.clear();
 }
@@ -100,7 +95,7 @@ void NextFrame::remember(NodeId object, Ticket ticket, TestedBy test, uint32_t s
     pending_.push_back(object);
 }
 
-// What was known of the object is forgotten: it will be drawn and tested anew.
+// The object's results are forgotten: it is drawn and tested like a new one.
 void NextFrame::draw_untested(CullFrame& frame, const ObjectTests::Object& object,
                               Decision decision)
 {

@@ -13,18 +13,18 @@
 // Deviations  The boxes of hidden objects are tested in one batch when all visible objects are
 //             drawn; the chapter tests each in its turn. The result only counts in the next frame,
 //             and against more depth it hides more. Objects with items that their flags set aside
-//             are tested by their box, too: what is drawn later cannot be counted now. What the
-//             chapter leaves out: in its first frame and when it comes back into the frustum an
-//             object is taken as visible, since what is known of it is old; so is an object that
-//             was drawn untested for a while. As in chc.h: R1.
-// Guarantees  latent(1) when results are waited for: what is hidden in frame F and drawn is at
-//             worst something that became visible in F. latent(max_latency) when they are polled;
-//             `hold_frames` more with Hysteresis::hide. Where boxes alone decide (no
-//             draw_and_query) the same.
+//             are tested by their box, too: items that are drawn later cannot be counted now. The
+//             chapter leaves out that an object is taken as visible in its first frame, when it
+//             comes back into the frustum, and after it was drawn untested: its results are old
+//             then. As in chc.h: R1.
+// Guarantees  latent(1) when results are waited for: an object that is missing in frame F became
+//             visible in F. latent(max_latency) when results are polled; `hold_frames` more with
+//             Hysteresis::hide. The same where boxes alone decide (no draw_and_query).
 // Cost        one test per hidden object and frame, one per visible object and k frames; two
 //             changes of state per frame.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/object_tests.h>
 
@@ -44,14 +44,14 @@ struct NextFrameOptions {
     Read read = Read::wait;
     /// With Read::poll: a result this many frames old is waited for. At least 1.
     uint32_t max_latency = 3;
-    /// k: a visible object is tested every so many frames. At least 1.
+    /// k: a visible object is tested every k frames.
     uint32_t visible_interval = 4;
 
-    /// What becomes of an object whose box is visible while it is hidden itself (29.4.2).
+    /// How to treat an object that is hidden while its box is visible (29.4.2).
     enum class Hysteresis : uint8_t {
         off,  ///< it is drawn every other frame or so, as in the chapter
         draw, ///< it is drawn, and tested by its box, until its box is hidden
-        hide, ///< it stays hidden for `hold_frames`, whatever its box says: late by as much
+        hide, ///< it stays hidden for `hold_frames`, whatever its box says, and is late by them
     };
     Hysteresis hysteresis = Hysteresis::draw;
     /// h: for how long Hysteresis::hide does not believe the box.
@@ -66,7 +66,7 @@ struct NextFrameOptions {
 
 class NextFrame final : public Culler {
 public:
-    explicit NextFrame(const Hierarchy& hierarchy, NextFrameOptions options = {});
+    explicit NextFrame(HierarchyRef hierarchy, NextFrameOptions options = {});
 
     /// The samples that the last answered test of an object counted: its own pixels (times samples
     /// per pixel) if it was tested by drawing it, else those of its box, which are more.
@@ -123,13 +123,15 @@ template <class Visit>
 void visit_options(NextFrameOptions& o, Visit&& visit)
 {
     visit("read", o.read, "how the last frame's results are read");
-    visit("max_latency", o.max_latency, "frames after which a polled result is waited for");
-    visit("visible_interval", o.visible_interval,
+    visit("max_latency", o.max_latency, {1, 1000},
+          "frames after which a polled result is waited for");
+    visit("visible_interval", o.visible_interval, {1, 1'000'000},
           "k: a visible object is tested every this many frames");
     visit("hysteresis", o.hysteresis, "an object that is hidden while its box is visible");
-    visit("hold_frames", o.hold_frames, "h: frames for which hysteresis=hide disbelieves the box");
+    visit("hold_frames", o.hold_frames, {0, 1'000'000},
+          "h: frames for which hysteresis=hide disbelieves the box");
     visit("depth_only_pass", o.depth_only_pass, "test by a depth-only pass, then shade once");
-    visit("threshold", o.threshold, "samples up to which an object is hidden");
+    visit("threshold", o.threshold, {}, "samples up to which an object is hidden");
     visit_options(o.tests, visit);
 }
 

@@ -1,5 +1,6 @@
 #include <occlude/cull/oracle_cullers.h>
 
+#include <occlude/core/assert.h>
 #include <occlude/cull/parts/cull_frame.h>
 
 #include <algorithm>
@@ -10,10 +11,15 @@ namespace occlude {
 void Opt::record(const View& view, QueryDevice& device, std::span<const ItemId>)
 {
     pass_.cull(view, device);
+    recorded_structure_ = hierarchy().structure_version();
 }
 
 void Opt::cull_frame(CullFrame& frame)
 {
+    if (recorded_structure_ != hierarchy().structure_version()) {
+        walk_.draw_all(frame); // what was recorded names nodes that are gone
+        return;
+    }
     for (const DecisionLog::Entry& entry : pass_.decisions().entries()) {
         PlaneMask mask = Frustum::kAllPlanes;
         if (!is_drawn(entry.decision)) {
@@ -37,27 +43,33 @@ void Ideal::index_items()
     const auto items = hierarchy().items();
     for (uint32_t i = 0; i < items.size(); ++i) {
         if (items[i].value >= position_of_item_.size()) {
-            position_of_item_.resize(items[i].value + 1, 0);
+            position_of_item_.resize(items[i].value + 1);
         }
-        position_of_item_[items[i].value] = i;
+        position_of_item_[items[i].value] = ItemPosition{i};
     }
 }
 
 void Ideal::record(const View& view, QueryDevice&, std::span<const ItemId> owners)
 {
     index_items();
+    recorded_structure_ = hierarchy().structure_version();
     std::vector<std::pair<float, ItemId>> order;
     visible_triangles_ = 0;
     const auto add = [&](ItemId item) {
-        const ItemBounds& bounds = hierarchy().item_bounds()[position_of_item_[item.value]];
+        const ItemBounds& bounds = bounds_at(hierarchy(), position_of_item_[item.value]);
         order.emplace_back(view.distance_key(bounds.box), item);
         visible_triangles_ += bounds.triangles;
     };
     for (const ItemId item : owners) {
-        add(item);
+        const bool known =
+            item.value < position_of_item_.size() && position_of_item_[item.value].valid();
+        OCCLUDE_ASSERT(known, "an owner is an item of the hierarchy");
+        if (known) {
+            add(item);
+        }
     }
     for (const Hierarchy::FlaggedItem& flagged : hierarchy().flagged_items()) {
-        const ItemBounds& bounds = hierarchy().item_bounds()[flagged.position];
+        const ItemBounds& bounds = bounds_at(hierarchy(), ItemPosition{flagged.position});
         if (has_flag(bounds.flags, ItemFlags::translucent) &&
             view.frustum().classify(bounds.box) != Containment::outside) {
             add(flagged.item);
@@ -72,6 +84,10 @@ void Ideal::record(const View& view, QueryDevice&, std::span<const ItemId> owner
 
 void Ideal::cull_frame(CullFrame& frame)
 {
+    if (recorded_structure_ != hierarchy().structure_version()) {
+        walk_.draw_all(frame); // what was recorded names items that may be gone
+        return;
+    }
     frame.draw_items(visible_, visible_triangles_);
 }
 

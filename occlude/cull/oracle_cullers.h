@@ -1,17 +1,18 @@
 // The two ideals to compare with: what a culler could reach that knew the answer beforehand.
 //
-//   opt    draws exactly the leaves that an exact stop-and-wait pass found visible. It bounds what
-//   any
-//          box test over this hierarchy can reach. (Mattausch, Bittner, Wimmer 2008 compare with
+//   opt    draws exactly the leaves that an exact stop-and-wait pass found visible: the least that
+//          tests of this hierarchy's boxes can draw. (Mattausch, Bittner, Wimmer 2008 compare with
 //          it; it is not the optimum of a cost model that other papers call OPT.)
 //   ideal  draws exactly the items that own at least one pixel: the exact visible set, which no box
 //          can reach; and the translucent items in the frustum, which own none. The distance from
 //          opt to ideal is the looseness of the boxes.
 //
 // Guarantees  exact. Neither issues a test in cull(); record() finds the answer beforehand,
-// untimed.
+//             untimed. If the tree was replaced since, both draw everything in the frustum.
 #pragma once
 
+#include <occlude/cull/parts/frustum_walk.h>
+#include <occlude/cull/parts/item_position.h>
 #include <occlude/cull/registry.h>
 #include <occlude/cull/stop_and_wait.h>
 
@@ -21,7 +22,7 @@ namespace occlude {
 
 class Opt final : public OracleCuller {
 public:
-    explicit Opt(const Hierarchy& hierarchy)
+    explicit Opt(HierarchyRef hierarchy)
         : OracleCuller(hierarchy)
         , pass_(hierarchy)
     {
@@ -35,6 +36,8 @@ private:
     void reset_state() override {} // what was recorded is good until the next record()
 
     StopAndWait pass_;
+    FrustumWalk walk_;
+    uint64_t recorded_structure_ = 0; ///< of the tree that pass_ decided about; 0: none
 };
 
 class Ideal final : public OracleCuller {
@@ -52,7 +55,9 @@ private:
 
     std::vector<ItemId> visible_;
     uint64_t visible_triangles_ = 0;
-    std::vector<uint32_t> position_of_item_; ///< of each ItemId in Hierarchy::items()
+    FrustumWalk walk_;
+    uint64_t recorded_structure_ = 0; ///< of the tree that `visible_` are items of; 0: none
+    std::vector<ItemPosition> position_of_item_; ///< by ItemId; invalid for an id of no item
     uint64_t indexed_structure_ = 0;
 };
 

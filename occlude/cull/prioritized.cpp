@@ -1,5 +1,7 @@
 #include <occlude/cull/prioritized.h>
 
+#include <occlude/core/assert.h>
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -63,6 +65,7 @@ void Prioritized::push(const Front& entry)
 
 Prioritized::Front Prioritized::pop()
 {
+    OCCLUDE_ASSERT(!front_.empty(), "an empty front has nothing to pop");
     std::pop_heap(front_.begin(), front_.end(), comes_later);
     const Front entry = front_.back();
     front_.pop_back();
@@ -108,17 +111,18 @@ bool Prioritized::spent(CullFrame& frame)
 
 bool Prioritized::any_left(const CullFrame& frame, const CellGrid::Cell& cell) const
 {
-    return std::ranges::any_of(grid_.places(cell),
-                               [&](uint32_t place) { return seen_stamp_[place] != frame.stamp(); });
+    return std::ranges::any_of(grid_.items(cell), [&](ItemPosition item) {
+        return seen_stamp_[item.value] != frame.stamp();
+    });
 }
 
 void Prioritized::draw_cell(CullFrame& frame, uint32_t cell, Decision decision)
 {
     const uint64_t queued_before = frame.queued_triangles();
-    for (const uint32_t place : grid_.places(grid_.cells()[cell])) {
-        if (seen_stamp_[place] != frame.stamp()) {
-            seen_stamp_[place] = frame.stamp();
-            frame.draw_item(grid_.owner(place), place, Frustum::kAllPlanes, decision);
+    for (const ItemPosition item : grid_.items(grid_.cells()[cell])) {
+        if (seen_stamp_[item.value] != frame.stamp()) {
+            seen_stamp_[item.value] = frame.stamp();
+            frame.draw_item(grid_.owner(item), item, Frustum::kAllPlanes, decision);
         }
     }
     triangles_ += frame.queued_triangles() - queued_before;
@@ -209,10 +213,10 @@ void Prioritized::finish_by_tests(CullFrame& frame)
 void Prioritized::note_hidden(CullFrame& frame)
 {
     for (const uint32_t cell : hidden_) {
-        for (const uint32_t place : grid_.places(grid_.cells()[cell])) {
-            if (seen_stamp_[place] != frame.stamp()) {
-                seen_stamp_[place] = frame.stamp();
-                frame.decide_item(grid_.owner(place), place, Decision::hidden);
+        for (const ItemPosition item : grid_.items(grid_.cells()[cell])) {
+            if (seen_stamp_[item.value] != frame.stamp()) {
+                seen_stamp_[item.value] = frame.stamp();
+                frame.decide_item(grid_.owner(item), item, Decision::hidden);
             }
         }
     }
@@ -221,8 +225,8 @@ void Prioritized::note_hidden(CullFrame& frame)
 void Prioritized::cull_frame(CullFrame& frame)
 {
     prepare(frame);
-    for (const uint32_t place : grid_.unbounded()) {
-        frame.draw_item(grid_.owner(place), place, Frustum::kAllPlanes, Decision::drawn_near);
+    for (const ItemPosition item : grid_.unbounded()) {
+        frame.draw_item(grid_.owner(item), item, Frustum::kAllPlanes, Decision::drawn_near);
     }
     if (grid_.grids().empty()) {
         return;

@@ -14,16 +14,17 @@
 //             where density is the cell's triangles over those of the fullest cell; the papers
 //             weigh faces by the view direction. cPLP tests the cells of its front and goes on from
 //             the visible ones; here all remaining occupied cells are tested, by the box around
-//             what is in them, in batches: never more tests than occupied cells.
-// Guarantees  approximate, with nothing promised of what is missing; exact with `finish`, as then
+//             their contents, in batches: never more tests than occupied cells.
+// Guarantees  approximate, and nothing is promised of missing items; exact with `finish`: then
 //             every item in the frustum is drawn, or all its cells were found hidden in this frame.
 // Cost        the budget, in triangles or in milliseconds of the clock, overrun by at most a cell
-// or by
-//             `chunk_triangles`. One step per cell of the grid, empty ones included. With
-//             `finish`, one test per cell that the budget left out, and what they reveal.
+//             or by `chunk_triangles`. One step per cell of the grid, empty ones included. With
+//             `finish`, one test per cell that the budget left out, and the items that the tests
+//             reveal.
 #pragma once
 
 #include <occlude/core/clock.h>
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/cell_grid.h>
 #include <occlude/cull/parts/cull_frame.h>
@@ -38,11 +39,11 @@ struct PrioritizedOptions {
     uint64_t budget_triangles = 100000;
     /// Milliseconds to draw per frame before the finish; 0, or without a clock: no limit.
     double budget_time = 0.0;
-    /// Draw what the budget left out and tests find visible (cPLP): exact.
+    /// Test the cells that the budget left out, and draw the visible ones (cPLP): exact.
     bool finish = false;
     /// Triangles per cell, on average: the size of cells.
     uint64_t cell_triangles = 4096;
-    /// Draw and look at the clock after so many triangles. Only with a time budget.
+    /// Draw and look at the clock after this many triangles. Only with a time budget.
     uint64_t chunk_triangles = 8192;
     /// Cells tested together by the finish.
     uint32_t batch_size = 50;
@@ -50,13 +51,13 @@ struct PrioritizedOptions {
 
 class Prioritized final : public Culler {
 public:
-    /// `clock` gives seconds that rise. What it measures is the time to issue draws, which is the
+    /// `clock` gives seconds that rise. It measures the time to issue draws, which is the
     /// time to draw only where the device draws at once or the clock asks it. Never asked without a
     /// time budget.
-    explicit Prioritized(const Hierarchy& hierarchy, PrioritizedOptions options = {},
+    explicit Prioritized(HierarchyRef hierarchy, PrioritizedOptions options = {},
                          SecondsClock clock = {})
         : Culler(hierarchy)
-        , options_(options)
+        , options_(clamped(options))
         , clock_(std::move(clock))
     {
     }
@@ -101,7 +102,7 @@ private:
     std::vector<double> solidity_;     ///< per index in the lattice: the least found so far
     uint64_t fullest_ = 1;             ///< triangles of the fullest cell
     std::vector<Front> front_;         ///< a heap, the least solid on top
-    std::vector<uint32_t> seen_stamp_; ///< per place: the last frame that drew or decided it
+    std::vector<uint32_t> seen_stamp_; ///< by position: the last frame that drew or decided it
     std::vector<uint32_t> cells_drawn_;
     std::vector<Remaining> remaining_;
     std::vector<uint32_t> hidden_;
@@ -115,12 +116,13 @@ private:
 template <class Visit>
 void visit_options(PrioritizedOptions& o, Visit&& visit)
 {
-    visit("budget_triangles", o.budget_triangles, "triangles per frame; 0 is no limit");
-    visit("budget_time", o.budget_time, "milliseconds to draw per frame; 0 is no limit");
+    visit("budget_triangles", o.budget_triangles, {}, "triangles per frame; 0 is no limit");
+    visit("budget_time", o.budget_time, {}, "milliseconds to draw per frame; 0 is no limit");
     visit("finish", o.finish, "draw what tests find visible beyond the budget: exact");
-    visit("cell_triangles", o.cell_triangles, "triangles per cell on average: the size of cells");
-    visit("chunk_triangles", o.chunk_triangles, "triangles between two looks at the clock");
-    visit("batch_size", o.batch_size, "cells tested together by the finish");
+    visit("cell_triangles", o.cell_triangles, {1},
+          "triangles per cell on average: the size of cells");
+    visit("chunk_triangles", o.chunk_triangles, {1}, "triangles between two looks at the clock");
+    visit("batch_size", o.batch_size, {1, 65536}, "cells tested together by the finish");
 }
 
 } // namespace occlude

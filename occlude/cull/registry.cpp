@@ -186,7 +186,7 @@ const AlgorithmInfo* find_algorithm(std::string_view name)
     return nullptr;
 }
 
-Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
+Result<std::unique_ptr<Culler>> make_culler(std::string_view name, HierarchyRef hierarchy,
                                             std::span<const OptionValue> options,
                                             SecondsClock clock)
 {

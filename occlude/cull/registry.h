@@ -49,7 +49,7 @@ const AlgorithmInfo* find_algorithm(std::string_view name);
 /// `statistical.time`) and for `adaptive`, which measures by it; it is not asked otherwise, so that
 /// runs repeat, and without it they do nothing. Errors name the unknown algorithm or option and
 /// list what there is.
-Result<std::unique_ptr<Culler>> make_culler(std::string_view name, const Hierarchy& hierarchy,
+Result<std::unique_ptr<Culler>> make_culler(std::string_view name, HierarchyRef hierarchy,
                                             std::span<const OptionValue> options = {},
                                             SecondsClock clock = {});
 

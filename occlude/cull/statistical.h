@@ -1,4 +1,4 @@
-// Statistically optimised queries: what was seen lately is drawn untested, for a while.
+// Statistically optimised queries: a node that was visible lately is drawn untested for a while.
 //
 // Implements  V. Kovalcik, J. Sochor, "Occlusion Culling with Statistically Optimized Occlusion
 //             Queries", WSCG 2005.
@@ -12,7 +12,7 @@
 //             not_query_time           -> pause
 // Deviations  The printed listing has five defects; the text says what was meant:
 //             1  The loop runs while *both* queues hold something; it must run while either does.
-//                Here a node under test stays in the list, so that one condition says it all.
+//                Here a node under test stays in the list, so that one condition is enough.
 //             2  RENDER never inserts the children of the node.
 //             3  The node is deleted from the list before its test is answered, and with it the
 //                place where its children must go. Here it stays as a place-holder.
@@ -28,10 +28,12 @@
 // Guarantees  exact with threshold 0, with every combination of options and any clock: a node is
 //             left out only if a test of this frame found nothing of it.
 // Cost        about one test per node of the hidden boundary, and one per visible node in 40 to 80
-//             frames; one wait per test, or per batch where answers come together. What turned
-//             hidden is drawn for up to 2 * BASE_TIME more: more triangles than other exact ways.
+//             frames; one wait per test, or per batch where answers come together. A node that
+//             turned hidden is drawn for up to 2 * BASE_TIME more: more triangles than other exact
+//             algorithms draw.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/cull_frame.h>
 #include <occlude/cull/parts/fifo.h>
@@ -57,8 +59,8 @@ struct StatisticalOptions {
         all,    ///< all: nothing is under way when the pointer moves on
         oldest, ///< the oldest, and those after it that are there
     };
-    /// What make_culler() (registry.h) has the culler count time in. A clock that is given to the
-    /// constructor counts, whatever this says.
+    /// How make_culler() (registry.h) has the culler count time. A clock that is given to the
+    /// constructor is used, whatever this says.
     enum class Time : uint8_t {
         frames, ///< frames: runs repeat
         clock,  ///< seconds of the clock that make_culler() was given
@@ -92,10 +94,9 @@ public:
     using Clock = std::function<double()>;
 
     /// Without a clock, time is the number of frames since the last reset over frames_per_second.
-    explicit Statistical(const Hierarchy& hierarchy, StatisticalOptions options = {},
-                         Clock clock = {})
+    explicit Statistical(HierarchyRef hierarchy, StatisticalOptions options = {}, Clock clock = {})
         : Culler(hierarchy)
-        , options_(options)
+        , options_(clamped(options))
         , clock_(std::move(clock))
     {
     }
@@ -158,17 +159,20 @@ constexpr std::array<std::string_view, 2> option_names(StatisticalOptions::Time)
 template <class Visit>
 void visit_options(StatisticalOptions& o, Visit&& visit)
 {
-    visit("base_time", o.base_time, "BASE_TIME in seconds; a visible node rests one to two of it");
-    visit("history", o.history, "results of a node that count, at most 64");
-    visit("max_age", o.max_age, "BASE_TIMEs after which statistics are forgotten");
-    visit("spread", o.spread, "part by which pauses vary from node to node; 0: as in the paper");
-    visit("max_in_flight", o.max_in_flight, "tests under way at most");
+    visit("base_time", o.base_time, {0.0f, 3600.0f},
+          "BASE_TIME in seconds; a visible node rests one to two of it");
+    visit("history", o.history, {1, 64}, "results of a node that count, at most 64");
+    visit("max_age", o.max_age, {}, "BASE_TIMEs after which statistics are forgotten");
+    visit("spread", o.spread, {0.0f, 1.0f},
+          "part by which pauses vary from node to node; 0: as in the paper");
+    visit("max_in_flight", o.max_in_flight, {1, 65536}, "tests under way at most");
     visit("issue", o.issue, "tests of a pass in one batch, or each at its place");
     visit("results", o.results, "answers taken before the pointer returns to the start");
     visit("time", o.time, "what pauses are counted in; with a clock, runs do not repeat");
-    visit("frames_per_second", o.frames_per_second, "frames that make a second of BASE_TIME");
-    visit("threshold", o.threshold, "samples up to which a node is hidden; above 0 not exact");
-    visit("seed", o.seed, "of the spreading");
+    visit("frames_per_second", o.frames_per_second, {1.0f, 10000.0f},
+          "frames that make a second of BASE_TIME");
+    visit("threshold", o.threshold, {}, "samples up to which a node is hidden; above 0 not exact");
+    visit("seed", o.seed, {}, "of the spreading");
 }
 
 } // namespace occlude

@@ -1,5 +1,4 @@
-// Hierarchical stop-and-wait: the simplest exact culler with tests, and the one that finds the
-// truth.
+// Hierarchical stop-and-wait: the simplest exact culler with tests. `opt` records what it finds.
 //
 // Implements  the baseline that CHC (Bittner, Wimmer, Piringer, Purgathofer, "Coherent Hierarchical
 //             Culling: Hardware Occlusion Queries Made Useful", 2004) is measured against: test a
@@ -7,12 +6,12 @@
 // Map         visit(N) -> StopAndWait::cull_frame, one turn of its loop
 // Deviations  none.
 // Guarantees  exact with threshold 0: every leaf in the frustum is drawn, or lies in a node whose
-// test
-//             found nothing in this frame, against depth drawn in this frame.
+//             test found nothing in this frame, against depth drawn in this frame (I1).
 // Cost        one test and one wait per visited node: every visible inner node, every visible leaf,
 //             and every hidden node whose parent is visible.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 
 #include <cstdint>
@@ -28,9 +27,9 @@ struct StopAndWaitOptions {
 
 class StopAndWait final : public Culler {
 public:
-    explicit StopAndWait(const Hierarchy& hierarchy, StopAndWaitOptions options = {})
+    explicit StopAndWait(HierarchyRef hierarchy, StopAndWaitOptions options = {})
         : Culler(hierarchy)
-        , options_(options)
+        , options_(clamped(options))
     {
     }
 
@@ -52,7 +51,7 @@ private:
 template <class Visit>
 void visit_options(StopAndWaitOptions& o, Visit&& visit)
 {
-    visit("threshold", o.threshold, "samples up to which a node is hidden; above 0 not exact");
+    visit("threshold", o.threshold, {}, "samples up to which a node is hidden; above 0 not exact");
 }
 
 } // namespace occlude

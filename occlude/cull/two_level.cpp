@@ -14,12 +14,10 @@ static bool overlap(const PixelRect& a, const PixelRect& b)
            b.y < a.y + a.height;
 }
 
-TwoLevel::TwoLevel(const Hierarchy& hierarchy, TwoLevelCullOptions options)
+TwoLevel::TwoLevel(HierarchyRef hierarchy, TwoLevelCullOptions options)
     : Culler(hierarchy)
-    , options_(options)
+    , options_(clamped(options))
 {
-    options_.max_pending = std::max(options_.max_pending, 1u);
-    options_.history_length = std::clamp(options_.history_length, 1u, 32u);
 }
 
 Guarantee TwoLevel::guarantee() const
@@ -304,7 +302,7 @@ bool TwoLevel::frustum_culled(CullFrame& frame, Active& active) const
     return !frame.visit(active.node, active.mask);
 }
 
-// What is known of a node in the frustum. Nodes outside keep last_visited: when they come back,
+// The memory of a node in the frustum. Nodes outside keep last_visited: when they come back,
 // they are unknown (rule R8).
 TwoLevel::NodeState& TwoLevel::recall(const CullFrame& frame, NodeId node)
 {

@@ -32,6 +32,7 @@
 //             without oriented boxes.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/cull_frame.h>
@@ -73,7 +74,7 @@ struct TwoLevelCullOptions {
 
 class TwoLevel final : public Culler {
 public:
-    explicit TwoLevel(const Hierarchy& hierarchy, TwoLevelCullOptions options = {});
+    explicit TwoLevel(HierarchyRef hierarchy, TwoLevelCullOptions options = {});
 
     /// True if no node is left in the list; holds after every frame (I2).
     bool idle() const
@@ -83,7 +84,7 @@ public:
     }
 
 private:
-    /// What is remembered of a node, by its key.
+    /// The memory of a node, by its key.
     struct NodeState {
         uint32_t last_visited = 0;  ///< stamp of the last frame in which it was reached inside
         uint32_t next_test = 0;     ///< stamp from which a visible node is tested again
@@ -164,16 +165,17 @@ void visit_options(TwoLevelCullOptions& o, Visit&& visit)
 {
     visit("disjoint", o.disjoint,
           "boxes that overlap on the screen are tested one after the other");
-    visit("max_pending", o.max_pending, "tests that may be pending at a time");
-    visit("history_length", o.history_length, "results that a node remembers");
-    visit("frames_per_visible", o.frames_per_visible,
+    visit("max_pending", o.max_pending, {1, 1'000'000}, "tests that may be pending at a time");
+    visit("history_length", o.history_length, {1, 32}, "results that a node remembers");
+    visit("frames_per_visible", o.frames_per_visible, {0, 1'000'000},
           "frames that a test is postponed for each remembered \"visible\"");
-    visit("max_postponed", o.max_postponed, "frames that a test is postponed at most; 0: never");
+    visit("max_postponed", o.max_postponed, {0, 1'000'000},
+          "frames that a test is postponed at most; 0: never");
     visit("pull_up", o.pull_up, "an inner node is not tested while a child of it is visible");
     visit("multiqueries", o.multiqueries, "test long-hidden nodes last, several at a time");
     visit("spread", o.spread, "shorten postponements at random, so that tests spread over frames");
-    visit("threshold", o.threshold, "samples up to which a node is hidden; above 0 not exact");
-    visit("seed", o.seed, "of the random numbers that spread tests");
+    visit("threshold", o.threshold, {}, "samples up to which a node is hidden; above 0 not exact");
+    visit("seed", o.seed, {}, "of the random numbers that spread tests");
 }
 
 } // namespace occlude

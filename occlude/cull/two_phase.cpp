@@ -10,7 +10,7 @@ constexpr uint64_t kSeed = 1;
 } // namespace
 
 // Work is counted in triangles here: one costs as much as half a texel that a test looks at.
-TwoPhase::TwoPhase(const Hierarchy& hierarchy, TwoPhaseOptions options)
+TwoPhase::TwoPhase(HierarchyRef hierarchy, TwoPhaseOptions options)
     : Culler(hierarchy)
     , options_(options)
     , cut_(hierarchy)

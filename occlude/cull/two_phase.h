@@ -49,7 +49,7 @@ struct TwoPhaseOptions {
 
 class TwoPhase final : public Culler {
 public:
-    explicit TwoPhase(const Hierarchy& hierarchy, TwoPhaseOptions options = {});
+    explicit TwoPhase(HierarchyRef hierarchy, TwoPhaseOptions options = {});
 
     const HierarchyCut& cut() const { return cut_.cut(); }
     /// True if something of `node` was found visible by the last frame and will be drawn first in
@@ -70,7 +70,7 @@ void visit_options(TwoPhaseOptions& o, Visit&& visit)
 {
     visit("virtual_leaves", o.virtual_leaves, "stop at virtual leaves instead of testing items");
     visit("refine", o.refine, "go down to pixels where the coarse levels do not decide");
-    visit("reread_triangles", o.reread_triangles,
+    visit("reread_triangles", o.reread_triangles, {},
           "newly visible triangles after which depth is read again; 0 is never");
     visit("final_depth", o.final_depth,
           "choose what is drawn first in the next frame by this frame's final depth");

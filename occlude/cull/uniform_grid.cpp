@@ -54,17 +54,18 @@ void UniformGrid::collect_cells(CullFrame& frame, const CellGrid::Grid& grid, Pl
 
 bool UniformGrid::all_drawn(const CullFrame& frame, const CellGrid::Cell& cell) const
 {
-    return std::ranges::all_of(grid_.places(cell),
-                               [&](uint32_t place) { return seen_stamp_[place] == frame.stamp(); });
+    return std::ranges::all_of(grid_.items(cell), [&](ItemPosition item) {
+        return seen_stamp_[item.value] == frame.stamp();
+    });
 }
 
 void UniformGrid::draw_cell(CullFrame& frame, const Entry& entry, Decision decision)
 {
-    for (const uint32_t place : grid_.places(grid_.cells()[entry.cell])) {
-        if (seen_stamp_[place] != frame.stamp()) {
-            seen_stamp_[place] = frame.stamp();
+    for (const ItemPosition item : grid_.items(grid_.cells()[entry.cell])) {
+        if (seen_stamp_[item.value] != frame.stamp()) {
+            seen_stamp_[item.value] = frame.stamp();
             // All planes: of a large item, only a part is in the cell.
-            frame.draw_item(grid_.owner(place), place, Frustum::kAllPlanes, decision);
+            frame.draw_item(grid_.owner(item), item, Frustum::kAllPlanes, decision);
         }
     }
 }
@@ -141,10 +142,10 @@ void UniformGrid::cull_grid(CullFrame& frame, const CellGrid::Grid& grid, PlaneM
 void UniformGrid::note_hidden(CullFrame& frame)
 {
     for (const uint32_t cell : hidden_) {
-        for (const uint32_t place : grid_.places(grid_.cells()[cell])) {
-            if (seen_stamp_[place] != frame.stamp()) {
-                seen_stamp_[place] = frame.stamp();
-                frame.decide_item(grid_.owner(place), place, Decision::hidden);
+        for (const ItemPosition item : grid_.items(grid_.cells()[cell])) {
+            if (seen_stamp_[item.value] != frame.stamp()) {
+                seen_stamp_[item.value] = frame.stamp();
+                frame.decide_item(grid_.owner(item), item, Decision::hidden);
             }
         }
     }
@@ -157,8 +158,8 @@ void UniformGrid::cull_frame(CullFrame& frame)
     levels_.resize(size_t{options_.nested_levels} + 1);
     hidden_.clear();
 
-    for (const uint32_t place : grid_.unbounded()) {
-        frame.draw_item(grid_.owner(place), place, Frustum::kAllPlanes, Decision::drawn_near);
+    for (const ItemPosition item : grid_.unbounded()) {
+        frame.draw_item(grid_.owner(item), item, Frustum::kAllPlanes, Decision::drawn_near);
     }
     if (!grid_.grids().empty()) {
         cull_grid(frame, grid_.grids()[0], Frustum::kAllPlanes, 0);

@@ -8,7 +8,7 @@
 //             draw each object once                     -> UniformGrid::draw_cell
 //             nested grid in a crowded cell             -> the recursion in UniformGrid::cull_grid
 // Deviations  Slabs go outward from the eye's own along the axis that is closest to the view
-//             direction. Cells are tested by the box around what is in them, not by their walls
+//             direction. Cells are tested by the box around their contents, not by their walls
 //             (see cell_grid.h). A cell all of whose items are drawn is not tested. No state is
 //             kept between frames, as in the paper.
 // Guarantees  exact: an item in the frustum is drawn if the test of any cell that it overlaps finds
@@ -17,6 +17,7 @@
 //             per slab. Items that move make all cells be built again.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/cell_grid.h>
 #include <occlude/cull/parts/cull_frame.h>
@@ -27,17 +28,17 @@
 namespace occlude {
 
 struct UniformGridOptions {
-    /// Triangles per cell, on average: the size of cells.
+    /// Triangles per cell on average: sets the size of cells.
     uint64_t cell_triangles = 4096;
-    /// How deep crowded cells are grids again. 0: the uniform grid.
+    /// Crowded cells are grids again, up to this many levels deep. 0: the uniform grid.
     uint32_t nested_levels = 1;
 };
 
 class UniformGrid final : public Culler {
 public:
-    explicit UniformGrid(const Hierarchy& hierarchy, UniformGridOptions options = {})
+    explicit UniformGrid(HierarchyRef hierarchy, UniformGridOptions options = {})
         : Culler(hierarchy)
-        , options_(options)
+        , options_(clamped(options))
     {
     }
 
@@ -49,7 +50,7 @@ private:
         uint32_t cell;
         PlaneMask mask;
     };
-    /// What one grid works with; nested grids have their own.
+    /// Scratch memory of one level of nesting.
     struct Level {
         std::vector<Entry> entries;
         std::vector<Entry> opened; ///< visible cells of a slab that hold a grid
@@ -71,7 +72,7 @@ private:
     UniformGridOptions options_;
     CellGrid grid_;
     std::vector<Level> levels_;
-    std::vector<uint32_t> seen_stamp_; ///< per place: the last frame that drew or decided it
+    std::vector<uint32_t> seen_stamp_; ///< by position: the last frame that drew or decided it
     std::vector<uint32_t> hidden_;     ///< cells found hidden in this frame
     TestBatch batch_;
     std::vector<Ticket> tickets_;
@@ -81,8 +82,10 @@ private:
 template <class Visit>
 void visit_options(UniformGridOptions& o, Visit&& visit)
 {
-    visit("cell_triangles", o.cell_triangles, "triangles per cell on average: the size of cells");
-    visit("nested_levels", o.nested_levels, "how deep crowded cells are grids again; 0 is uniform");
+    visit("cell_triangles", o.cell_triangles, {1},
+          "triangles per cell on average: the size of cells");
+    visit("nested_levels", o.nested_levels, {0, 8},
+          "how deep crowded cells are grids again; 0 is uniform");
 }
 
 } // namespace occlude

@@ -3,12 +3,16 @@
 #include "support/trees.h"
 
 #include <occlude/cull/parts/decision_log.h>
+#include <occlude/cull/statistical.h>
+#include <occlude/cull/uniform_grid.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
+#include <string>
 #include <utility>
 
 namespace occlude {
@@ -37,6 +41,83 @@ TEST(Registry, EveryOptionTakesItsOwnDefault)
             EXPECT_FALSE(option.description.empty());
         }
     }
+}
+
+// What "a whole number from 1 to 64" refuses: one less, one more, and what is no number.
+std::vector<std::string> values_outside(const std::string& accepted)
+{
+    std::vector<std::string> outside{"-1", "nan", "inf", "1e400", "", "many"};
+    const size_t from = accepted.find(" from ");
+    const size_t to = accepted.find(" to ");
+    if (from != std::string::npos && to != std::string::npos) {
+        const double least = std::stod(accepted.substr(from + 6));
+        const double most = std::stod(accepted.substr(to + 4));
+        if (least >= 1.0) {
+            outside.push_back(std::to_string(static_cast<int64_t>(least) - 1));
+        }
+        if (most < 4e9) {
+            outside.push_back(std::to_string(static_cast<int64_t>(most) + 1));
+        }
+        outside.push_back("18446744073709551616"); // 2^64
+    }
+    return outside;
+}
+
+TEST(Registry, EveryNumericOptionOfAnAlgorithmHasARange)
+{
+    const Hierarchy tree = test::row_tree(1);
+    size_t numbers = 0;
+    for (const AlgorithmInfo& info : algorithms()) {
+        for (const OptionInfo& option : info.options) {
+            if (option.accepted_values.find("number") == std::string::npos) {
+                continue;
+            }
+            ++numbers;
+            for (const std::string& text : values_outside(option.accepted_values)) {
+                const OptionValue value{option.name, text};
+                const auto culler = make_culler(info.name, tree, {&value, 1});
+                ASSERT_FALSE(culler) << info.name << "." << option.name << "=" << text;
+                EXPECT_NE(culler.error().message.find(option.accepted_values), std::string::npos);
+            }
+        }
+    }
+    EXPECT_GT(numbers, 30u);
+}
+
+TEST(Registry, EveryNumericOptionOfAHierarchyHasARange)
+{
+    const std::vector<ItemBounds> items = test::random_boxes(10, 1);
+    size_t numbers = 0;
+    for (const HierarchyKind& kind : hierarchy_kinds()) {
+        for (const OptionInfo& option : kind.options()) {
+            if (option.accepted_values.find("number") == std::string::npos) {
+                continue;
+            }
+            ++numbers;
+            for (const std::string& text : values_outside(option.accepted_values)) {
+                const OptionValue value{option.name, text};
+                EXPECT_FALSE(kind.build_with(items, 0, {&value, 1}))
+                    << kind.name << "." << option.name << "=" << text;
+            }
+        }
+    }
+    EXPECT_GT(numbers, 10u);
+}
+
+// 4294967295 levels of nested grids took bad_alloc out of the library.
+TEST(Registry, OptionsSetInCodeAreMovedIntoTheirRange)
+{
+    const UniformGridOptions options =
+        clamped(UniformGridOptions{.cell_triangles = 0, .nested_levels = 0xffffffffu});
+    EXPECT_EQ(options.cell_triangles, 1u);
+    EXPECT_EQ(options.nested_levels, 8u);
+    const StatisticalOptions statistical =
+        clamped(StatisticalOptions{.base_time = std::numeric_limits<float>::quiet_NaN()});
+    EXPECT_EQ(statistical.base_time, 0.0f); // tests every node in every frame
+    const Hierarchy tree = test::row_tree(1);
+    UniformGrid culler(tree, {.cell_triangles = 0, .nested_levels = 0xffffffffu});
+    ScriptedDevice device;
+    EXPECT_EQ(culler.cull(test::look_ahead(), device).counters.items_drawn, 2u);
 }
 
 TEST(Registry, SaysWhichHierarchiesSuitAnAlgorithm)
@@ -131,7 +212,7 @@ TEST(Registry, MistakesAreNamedWithWhatWouldWork)
     EXPECT_EQ(message("chc_plus_plus", {"jitter", "maybe"}),
               "chc_plus_plus: option 'jitter' cannot be 'maybe': give true or false");
     for (const char* bad : {"-1", "3.5", "99999999999999", "", "4x"}) {
-        EXPECT_NE(message("chc_plus_plus", {"batch_size", bad}).find("a whole number from 0 to"),
+        EXPECT_NE(message("chc_plus_plus", {"batch_size", bad}).find("a whole number from 1 to"),
                   std::string::npos)
             << bad;
     }

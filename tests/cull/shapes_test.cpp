@@ -205,8 +205,7 @@ TEST_P(Shapes, UnderAMapWithoutAnInverseTheyAreSeen)
     EXPECT_TRUE(drawn());
 }
 
-// --- on the CPU device: the picture
-// ---------------------------------------------------------------
+// --- on the CPU device: the picture --------------------------------------------------------------
 
 // Objects that are open frames: four bars around nothing, each a box of twelve triangles, turned
 // and stretched any way. They turn on in every frame, and some make room for others.

@@ -73,7 +73,7 @@ TEST(TwoLevel, BoxesBesideEachOtherAreTestedTogether)
     EXPECT_EQ(report.counters.items_drawn, 4u);
 }
 
-TEST(TwoLevel, AtMostSoManyTestsArePending)
+TEST(TwoLevel, AtMostMaxPendingTestsArePending)
 {
     std::vector<ItemBounds> items;
     for (int i = 0; i < 8; ++i) {
@@ -262,7 +262,7 @@ TEST(TwoLevel, SpreadingShortensAPostponementByAtMostAHalf)
     EXPECT_LT(most_spread, most_even / 2);
 }
 
-TEST(TwoLevel, ANodeThatComesBackIntoTheFrustumIsTestedNotDrawnFromOldNews)
+TEST(TwoLevel, ANodeThatComesBackIntoTheFrustumIsTested)
 {
     const Hierarchy tree = row_tree(2);
     ScriptedDevice device;

@@ -14,7 +14,7 @@ struct TranslucentItem {
 };
 
 /// True if `a` is blended before `b`: the nearest point of its box is farther, or they are equally
-/// far and its id is smaller. A total order, so that leaving out what is hidden changes no pixel.
+/// far and its id is smaller. A total order, so that leaving out hidden items changes no pixel.
 inline bool blended_before(const TranslucentItem& a, const TranslucentItem& b)
 {
     return a.distance_key != b.distance_key ? a.distance_key > b.distance_key : a.item < b.item;

@@ -7,6 +7,14 @@
 
 namespace occlude {
 
+namespace {
+
+// Enough for every grid over items that mostly lie apart: an item of a cell's size overlaps eight.
+constexpr uint64_t kOverlapsPerItem = 32;
+constexpr uint64_t kLeastOverlapBudget = 1 << 16; // 0.5 MiB; so that small scenes are not limited
+
+} // namespace
+
 bool CellGrid::is_current(const Hierarchy& hierarchy) const
 {
     return structure_ == hierarchy.structure_version() &&
@@ -58,42 +66,70 @@ CellGrid::Cell CellGrid::make_cell(std::span<const Overlap> overlaps, const Latt
 {
     Cell cell;
     cell.at = lattice.at(overlaps.front().first);
-    cell.first = static_cast<uint32_t>(places_.size());
+    cell.first = static_cast<uint32_t>(items_.size());
     cell.count = static_cast<uint32_t>(overlaps.size());
-    for (const auto& [same_index, place] : overlaps) {
-        const ItemBounds& item = bounds_[place];
+    for (const auto& [same_index, item_at] : overlaps) {
+        const ItemBounds& item = bounds_[item_at.value];
         cell.box = merge(cell.box, part_in_cell(intersection(item.box, region), lattice, cell.at));
         cell.triangles += item.triangles;
-        places_.push_back(place);
+        items_.push_back(item_at);
     }
     return cell;
 }
 
+// How many pairs of an item and a cell that it overlaps a lattice has. O(items).
+uint64_t CellGrid::count_overlaps(std::span<const ItemPosition> items, const Aabb& region,
+                                  const Lattice& lattice) const
+{
+    uint64_t count = 0;
+    for (const ItemPosition item : items) {
+        const Aabb part = intersection(bounds_[item.value].box, region);
+        const glm::uvec3 cells = lattice.cell(part.max) - lattice.cell(part.min) + 1u;
+        count += uint64_t{cells.x} * cells.y * cells.z;
+    }
+    return count;
+}
+
+// The finest lattice of at most `cells` cells whose overlaps the budget allows. Items that overlap
+// one another overlap most cells: without a budget, grids in grids of n such items have n^3 of
+// them.
+Lattice CellGrid::choose_lattice(std::span<const ItemPosition> items, const Aabb& region,
+                                 uint64_t cells) const
+{
+    Lattice lattice = Lattice::over(region, cells);
+    while (cells > 1 && count_overlaps(items, region, lattice) > overlap_budget_) {
+        cells /= 2;
+        lattice = Lattice::over(region, cells);
+    }
+    return lattice;
+}
+
 // A grid over the parts of the items in `region`, and the grids nested in it.
-uint32_t CellGrid::build_grid(const std::vector<uint32_t>& places, const Aabb& region,
+uint32_t CellGrid::build_grid(const std::vector<ItemPosition>& items, const Aabb& region,
                               const CellGridOptions& options, uint32_t level)
 {
     uint64_t triangles = 0;
-    for (const uint32_t place : places) {
-        triangles += bounds_[place].triangles;
+    for (const ItemPosition item : items) {
+        triangles += bounds_[item.value].triangles;
     }
     const uint64_t cell_triangles = std::max<uint64_t>(options.cell_triangles, 1);
     const Lattice lattice =
-        Lattice::over(region, std::min(triangles / cell_triangles, uint64_t{places.size()}));
+        choose_lattice(items, region, std::min(triangles / cell_triangles, uint64_t{items.size()}));
 
     std::vector<Overlap> overlaps;
-    for (const uint32_t place : places) {
-        const Aabb part = intersection(bounds_[place].box, region);
+    for (const ItemPosition item : items) {
+        const Aabb part = intersection(bounds_[item.value].box, region);
         const glm::uvec3 low = lattice.cell(part.min);
         const glm::uvec3 high = lattice.cell(part.max);
         for (uint32_t z = low.z; z <= high.z; ++z) {
             for (uint32_t y = low.y; y <= high.y; ++y) {
                 for (uint32_t x = low.x; x <= high.x; ++x) {
-                    overlaps.emplace_back(lattice.index({x, y, z}), place);
+                    overlaps.emplace_back(lattice.index({x, y, z}), item);
                 }
             }
         }
     }
+    overlap_budget_ -= std::min<uint64_t>(overlap_budget_, overlaps.size());
     std::sort(overlaps.begin(), overlaps.end());
 
     const auto grid = static_cast<uint32_t>(grids_.size());
@@ -110,9 +146,10 @@ uint32_t CellGrid::build_grid(const std::vector<uint32_t>& places, const Aabb& r
     for (uint32_t c = grids_[grid].first_cell; c < cells_end && level < options.nested_levels;
          ++c) {
         const Cell cell = cells_[c]; // a copy: cells_ grows
-        if (cell.count > 1 && cell.triangles / 2 > cell_triangles) {
-            const std::vector<uint32_t> own(places_.begin() + cell.first,
-                                            places_.begin() + cell.first + cell.count);
+        const bool crowded = cell.count > 1 && cell.triangles / 2 > cell_triangles;
+        if (crowded && overlap_budget_ >= 2 * uint64_t{cell.count}) {
+            const std::vector<ItemPosition> own(items_.begin() + cell.first,
+                                                items_.begin() + cell.first + cell.count);
             const uint32_t nested = build_grid(own, cell.box, options, level + 1);
             cells_[c].grid = nested;
         }
@@ -130,20 +167,21 @@ void CellGrid::update(const Hierarchy& hierarchy, const CellGridOptions& options
     find_owners(hierarchy);
     grids_.clear();
     cells_.clear();
-    places_.clear();
+    items_.clear();
     unbounded_.clear();
 
     Aabb region;
-    std::vector<uint32_t> bounded;
-    for (uint32_t place = 0; place < bounds_.size(); ++place) {
-        const Aabb& box = bounds_[place].box;
+    std::vector<ItemPosition> bounded;
+    for (size_t i = 0; i < bounds_.size(); ++i) {
+        const Aabb& box = bounds_[i].box;
         if (box.is_bounded()) {
-            bounded.push_back(place);
+            bounded.push_back(ItemPosition{i});
             region = merge(region, box);
         } else if (!box.is_empty()) {
-            unbounded_.push_back(place);
+            unbounded_.push_back(ItemPosition{i});
         }
     }
+    overlap_budget_ = std::max(kOverlapsPerItem * uint64_t{bounded.size()}, kLeastOverlapBudget);
     if (!bounded.empty()) {
         build_grid(bounded, region, options, 0);
     }

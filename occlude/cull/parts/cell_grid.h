@@ -6,6 +6,8 @@
 // A cell that holds too much can be a grid again (nested), over that box.
 #pragma once
 
+#include <occlude/core/assert.h>
+#include <occlude/cull/parts/item_position.h>
 #include <occlude/hierarchy/hierarchy.h>
 #include <occlude/hierarchy/lattice.h>
 
@@ -17,9 +19,12 @@
 namespace occlude {
 
 struct CellGridOptions {
-    /// As many cells as make this the mean number of triangles in a cell, empty ones included.
+    /// The mean number of triangles per cell, empty cells included: it sets the number of cells.
+    /// Where items overlap one another there are fewer cells, so that an item is in at most 32
+    /// cells on average, all grids together.
     uint64_t cell_triangles = 4096;
-    /// Cells of more than twice that, and more than one item, are grids again, so deep at most.
+    /// A cell of more than twice as many triangles, and more than one item, is a grid again: grids
+    /// are nested up to this many levels deep.
     uint32_t nested_levels = 0;
 };
 
@@ -31,7 +36,7 @@ public:
     struct Cell {
         Aabb box;
         glm::uvec3 at{0};   ///< in the lattice of its grid
-        uint32_t first = 0; ///< into places
+        uint32_t first = 0; ///< into the positions of all cells
         uint32_t count = 0;
         uint64_t triangles = 0; ///< of all its items, as if wholly in it
         uint32_t grid = kNone;  ///< the grid nested in it
@@ -42,8 +47,8 @@ public:
         uint32_t cell_count = 0;
     };
 
-    /// Builds the cells anew if `hierarchy` has another structure or other bounds than when they
-    /// were built. O(items) if nothing has changed, O(overlaps log overlaps) otherwise.
+    /// Builds the cells again if `hierarchy` has another structure or other bounds than when they
+    /// were built. O(items) if nothing has changed, O(n log^2 n) for n items otherwise.
     void update(const Hierarchy& hierarchy, const CellGridOptions& options);
 
     /// The outermost grid comes first; none if no item has a bounded box.
@@ -53,34 +58,40 @@ public:
     {
         return cells().subspan(grid.first_cell, grid.cell_count);
     }
-    /// Places in Hierarchy::items() of the items of a cell, ascending.
-    std::span<const uint32_t> places(const Cell& cell) const
+    /// The items of a cell, by position, ascending.
+    std::span<const ItemPosition> items(const Cell& cell) const
     {
-        return std::span{places_}.subspan(cell.first, cell.count);
+        OCCLUDE_ASSERT(cell.first + cell.count <= items_.size(), "a cell of another grid");
+        return std::span{items_}.subspan(cell.first, cell.count);
     }
-    /// Places of the items that have no bounded box and so are in no cell: always visible. Those
-    /// with empty boxes are nowhere.
-    std::span<const uint32_t> unbounded() const { return unbounded_; }
+    /// The items that have no bounded box and so are in no cell: always visible. An item with an
+    /// empty box is neither here nor in a cell.
+    std::span<const ItemPosition> unbounded() const { return unbounded_; }
 
-    /// The node that an item, by place, is an own item of.
-    NodeId owner(uint32_t place) const { return owners_[place]; }
+    /// The node that has the item among its own items.
+    NodeId owner(ItemPosition item) const { return owners_[item.value]; }
 
 private:
-    using Overlap = std::pair<uint64_t, uint32_t>; // index of a cell in its lattice, place
+    using Overlap = std::pair<uint64_t, ItemPosition>; // index of a cell in its lattice, item
 
     bool is_current(const Hierarchy& hierarchy) const;
     void find_owners(const Hierarchy& hierarchy);
-    uint32_t build_grid(const std::vector<uint32_t>& places, const Aabb& region,
+    uint64_t count_overlaps(std::span<const ItemPosition> items, const Aabb& region,
+                            const Lattice& lattice) const;
+    Lattice choose_lattice(std::span<const ItemPosition> items, const Aabb& region,
+                           uint64_t cells) const;
+    uint32_t build_grid(const std::vector<ItemPosition>& items, const Aabb& region,
                         const CellGridOptions& options, uint32_t level);
     Cell make_cell(std::span<const Overlap> overlaps, const Lattice& lattice, const Aabb& region);
 
     uint64_t structure_ = 0;
-    std::vector<ItemBounds> bounds_; ///< by place, as the cells were built
+    uint64_t overlap_budget_ = 0;    ///< overlaps that grids still to be built may have together
+    std::vector<ItemBounds> bounds_; ///< by position, as the cells were built
     std::vector<NodeId> owners_;
     std::vector<Grid> grids_;
     std::vector<Cell> cells_;
-    std::vector<uint32_t> places_;
-    std::vector<uint32_t> unbounded_;
+    std::vector<ItemPosition> items_;
+    std::vector<ItemPosition> unbounded_;
 };
 
 } // namespace occlude

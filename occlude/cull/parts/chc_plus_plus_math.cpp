@@ -1,5 +1,7 @@
 #include <occlude/cull/parts/chc_plus_plus_math.h>
 
+#include <occlude/core/assert.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -32,6 +34,7 @@ double multiquery_value(size_t count, double all_keep, size_t most_singly)
 
 size_t best_multiquery_size(std::span<const double> keep, size_t most_singly)
 {
+    OCCLUDE_ASSERT(!keep.empty(), "a multiquery has a node");
     size_t count = 1;
     double all_keep = keep[0];
     double value = multiquery_value(1, all_keep, most_singly);
@@ -50,6 +53,7 @@ size_t best_multiquery_size(std::span<const double> keep, size_t most_singly)
 
 size_t failed_multiquery_part(size_t count, size_t most_singly)
 {
+    OCCLUDE_ASSERT(count > 1 && most_singly > 0, "a group of one node cannot be split");
     return count <= most_singly ? 1 : (count + 1) / 2;
 }
 

@@ -62,7 +62,7 @@ private:
     static uint32_t bin_of(uint32_t frames_hidden);
 
     static constexpr double kPriorTests = 16.0;  ///< what the next lower value weighs, in tests
-    static constexpr uint32_t kMostTests = 4096; ///< then both counts are halved: old news fade
+    static constexpr uint32_t kMostTests = 4096; ///< then both counts are halved: old tests fade
 
     struct Bin {
         uint32_t all = 0;

@@ -18,27 +18,34 @@ CullFrame::CullFrame(const Hierarchy& hierarchy, FrameRecord& record, const View
 {
     record_.clear();
     device_.begin_frame(view_);
-    spend_abandoned();
+    record_.tickets.start_frame(device_);
     start_never_culled();
 }
 
-void CullFrame::queue(uint32_t position)
+CullFrame::~CullFrame()
 {
-    drawn_.push_back(hierarchy_.items()[position]);
-    queued_triangles_ += hierarchy_.item_bounds()[position].triangles;
+    if (!finished_) {
+        device_.end_frame();
+    }
+}
+
+void CullFrame::queue(ItemPosition at)
+{
+    drawn_.push_back(item_at(hierarchy_, at));
+    queued_triangles_ += bounds_at(hierarchy_, at).triangles;
 }
 
 // Puts an item aside if its flags say so, to be drawn when the frame finishes.
-bool CullFrame::set_aside(uint32_t position)
+bool CullFrame::set_aside(ItemPosition at)
 {
-    const ItemBounds& bounds = hierarchy_.item_bounds()[position];
+    const ItemBounds& bounds = bounds_at(hierarchy_, at);
     if (has_flag(bounds.flags, ItemFlags::translucent)) {
         record_.translucent_items.push_back(
-            {view_.distance_key(bounds.box), hierarchy_.items()[position], bounds.triangles});
+            {view_.distance_key(bounds.box), item_at(hierarchy_, at), bounds.triangles});
         return true;
     }
     if (has_flag(bounds.flags, ItemFlags::never_occlude)) {
-        record_.late_items.push_back(position);
+        record_.late_items.push_back(at);
         return true;
     }
     return false;
@@ -47,16 +54,17 @@ bool CullFrame::set_aside(uint32_t position)
 void CullFrame::start_never_culled()
 {
     for (const Hierarchy::FlaggedItem& flagged : hierarchy_.flagged_items()) {
-        const ItemBounds& bounds = hierarchy_.item_bounds()[flagged.position];
+        const ItemBounds& bounds = bounds_at(hierarchy_, ItemPosition{flagged.position});
         const bool wanted = has_flag(bounds.flags, ItemFlags::never_cull) && !bounds.box.is_empty();
-        if (wanted && !set_aside(flagged.position)) {
-            queue(flagged.position);
+        if (wanted && !set_aside(ItemPosition{flagged.position})) {
+            queue(ItemPosition{flagged.position});
         }
     }
 }
 
 bool CullFrame::visit(NodeId node, PlaneMask& mask)
 {
+    OCCLUDE_ASSERT(node.value < hierarchy_.nodes().size(), "a node of another tree is visited");
     ++report_.counters.nodes_visited;
     if (view_.frustum().classify(hierarchy_.node(node).box, mask) == Containment::outside) {
         record_.decisions.add(node, Decision::outside);
@@ -65,12 +73,11 @@ bool CullFrame::visit(NodeId node, PlaneMask& mask)
     return true;
 }
 
-bool CullFrame::visit_item(NodeId owner, uint32_t place, PlaneMask& mask)
+bool CullFrame::visit_item(NodeId owner, ItemPosition at, PlaneMask& mask)
 {
     ++report_.counters.nodes_visited;
-    if (view_.frustum().classify(hierarchy_.item_bounds()[place].box, mask) ==
-        Containment::outside) {
-        decide_item(owner, place, Decision::outside);
+    if (view_.frustum().classify(bounds_at(hierarchy_, at).box, mask) == Containment::outside) {
+        decide_item(owner, at, Decision::outside);
         return false;
     }
     return true;
@@ -78,6 +85,7 @@ bool CullFrame::visit_item(NodeId owner, uint32_t place, PlaneMask& mask)
 
 bool CullFrame::visit_sphere_first(NodeId node, PlaneMask& mask, float elongation)
 {
+    OCCLUDE_ASSERT(node.value < hierarchy_.nodes().size(), "a node of another tree is visited");
     ++report_.counters.nodes_visited;
     const Aabb& box = hierarchy_.node(node).box;
     if (classify_sphere_first(view_.frustum(), bounding_sphere(box), box, mask, elongation) ==
@@ -99,41 +107,46 @@ void CullFrame::draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMas
     record_.decisions.add(node, decision, scope);
     const bool has_flags = hierarchy_.has_flags();
     for (uint32_t i = first; i < first + count; ++i) {
-        const ItemBounds& bounds = hierarchy_.item_bounds()[i];
+        const ItemPosition at{i};
+        const ItemBounds& bounds = bounds_at(hierarchy_, at);
         PlaneMask item_mask = mask;
         if (view_.frustum().classify(bounds.box, item_mask) == Containment::outside) {
             continue;
         }
-        if (has_flags && (has_flag(bounds.flags, ItemFlags::never_cull) || set_aside(i))) {
+        if (has_flags && (has_flag(bounds.flags, ItemFlags::never_cull) || set_aside(at))) {
             continue;
         }
-        queue(i);
+        queue(at);
     }
 }
 
 void CullFrame::draw_leaf(NodeId leaf, PlaneMask mask, Decision decision)
 {
+    OCCLUDE_ASSERT(leaf.value < hierarchy_.nodes().size(), "a leaf of another tree is drawn");
+    OCCLUDE_ASSERT(is_drawn(decision), "a drawn node has a decision that draws");
     const Node& n = hierarchy_.node(leaf);
     draw_range(leaf, n.first_item, n.subtree_items, mask, decision, DecisionLog::Scope::subtree);
 }
 
 void CullFrame::draw_own(NodeId node, PlaneMask mask, Decision decision)
 {
+    OCCLUDE_ASSERT(node.value < hierarchy_.nodes().size(), "a node of another tree is drawn");
+    OCCLUDE_ASSERT(is_drawn(decision), "a drawn node has a decision that draws");
     const Node& n = hierarchy_.node(node);
     if (n.own_items > 0) {
         draw_range(node, n.first_item, n.own_items, mask, decision, DecisionLog::Scope::own_items);
     }
 }
 
-void CullFrame::draw_item(NodeId owner, uint32_t place, PlaneMask mask, Decision decision)
+void CullFrame::draw_item(NodeId owner, ItemPosition at, PlaneMask mask, Decision decision)
 {
-    const ItemBounds& bounds = hierarchy_.item_bounds()[place];
+    const ItemBounds& bounds = bounds_at(hierarchy_, at);
     if (view_.frustum().classify(bounds.box, mask) == Containment::outside) {
         decision = Decision::outside;
-    } else if (!has_flag(bounds.flags, ItemFlags::never_cull) && !set_aside(place)) {
-        queue(place);
+    } else if (!has_flag(bounds.flags, ItemFlags::never_cull) && !set_aside(at)) {
+        queue(at);
     }
-    record_.decisions.add(owner, hierarchy_.items()[place], decision);
+    record_.decisions.add(owner, item_at(hierarchy_, at), decision);
 }
 
 void CullFrame::draw_items(std::span<const ItemId> items, uint64_t triangles)
@@ -151,10 +164,10 @@ void CullFrame::draw_items(std::span<const ItemId> items, uint64_t triangles)
             drawn_.push_back(item);
             continue;
         }
-        const ItemBounds& bounds = hierarchy_.item_bounds()[found->position];
+        const ItemBounds& bounds = bounds_at(hierarchy_, ItemPosition{found->position});
         queued_triangles_ -= bounds.triangles;
         if (!has_flag(bounds.flags, ItemFlags::never_cull)) {
-            set_aside(found->position);
+            set_aside(ItemPosition{found->position});
         }
     }
 }
@@ -195,11 +208,13 @@ void CullFrame::flush_draws()
 
 Ticket CullFrame::draw_and_query(NodeId leaf, PlaneMask mask, Decision decision)
 {
+    OCCLUDE_ASSERT(can_draw_and_query(leaf), "items set aside by a flag would not be counted");
     flush_draws();
     draw_leaf(leaf, mask, decision);
     enter_state(false);
     const Ticket ticket =
         device_.draw_and_query(std::span<const ItemId>{drawn_}.subspan(flushed_), pass_);
+    record_.tickets.issued(ticket);
     ++report_.counters.draw_calls;
     ++report_.counters.queries;
     report_.counters.items_drawn += drawn_.size() - flushed_;
@@ -224,6 +239,7 @@ void CullFrame::query(const TestBatch& batch, std::vector<Ticket>& tickets, Test
     enter_state(true);
     tickets.resize(batch.test_count());
     device_.query({batch.boxes(), batch.test_ends(), method_for(method)}, tickets);
+    record_.tickets.issued(tickets);
     ++report_.counters.batches;
     report_.counters.queries += batch.test_count();
     report_.counters.boxes += batch.boxes().size();
@@ -232,11 +248,13 @@ void CullFrame::query(const TestBatch& batch, std::vector<Ticket>& tickets, Test
 
 Ticket CullFrame::query(NodeId node)
 {
+    OCCLUDE_ASSERT(!near(node), "a box that the near plane may touch is not tested (R1)");
     enter_state(true);
     const QueryBox box{test_box(node), nullptr, node};
     const uint32_t end = 1;
     Ticket ticket;
     device_.query({{&box, 1}, {&end, 1}, method_for(TestMethod::automatic)}, {&ticket, 1});
+    record_.tickets.issued(ticket);
     ++report_.counters.batches;
     ++report_.counters.queries;
     ++report_.counters.boxes;
@@ -258,26 +276,25 @@ Answer CullFrame::counted(Answer answer)
 
 Answer CullFrame::poll(Ticket ticket)
 {
-    return counted(device_.poll(ticket));
+    const Answer answer = device_.poll(ticket);
+    if (answer.state != AnswerState::pending) {
+        record_.tickets.answered(ticket);
+    }
+    return counted(answer);
 }
 
 Answer CullFrame::wait(Ticket ticket)
 {
     ++report_.counters.waits;
-    return counted(device_.wait(ticket));
+    const Answer answer = device_.wait(ticket);
+    record_.tickets.answered(ticket);
+    return counted(answer);
 }
 
 size_t CullFrame::free_tickets(size_t held) const
 {
-    const size_t taken = held + record_.abandoned_tickets.size();
+    const size_t taken = held + record_.tickets.abandoned_count();
     return caps().max_outstanding - std::min<size_t>(caps().max_outstanding, taken);
-}
-
-// Tickets that nobody asks for count among the device's outstanding ones until they are spent.
-void CullFrame::spend_abandoned()
-{
-    std::erase_if(record_.abandoned_tickets,
-                  [&](Ticket ticket) { return poll(ticket).state != AnswerState::pending; });
 }
 
 SamplePositions CullFrame::samples() const
@@ -285,8 +302,16 @@ SamplePositions CullFrame::samples() const
     return caps().samples_at_pixel_centers ? SamplePositions::center : SamplePositions::anywhere;
 }
 
+// Only assertions ask.
+[[maybe_unused]] static bool is_inside(const PixelRect& rect, glm::ivec2 size_px)
+{
+    return rect.x >= 0 && rect.y >= 0 && rect.x + rect.width <= size_px.x &&
+           rect.y + rect.height <= size_px.y;
+}
+
 bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)
 {
+    OCCLUDE_ASSERT(is_inside(rect, view_.size_px()), "depth is read inside the target");
     // No room was made for a target that is too large (DepthPyramid::kMaxPixels).
     const bool has_room =
         out.size() == static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height);
@@ -311,8 +336,9 @@ void CullFrame::draw_translucent()
 
 void CullFrame::finish()
 {
-    for (const uint32_t position : record_.late_items) {
-        queue(position);
+    OCCLUDE_ASSERT(!finished_, "a frame is finished once");
+    for (const ItemPosition at : record_.late_items) {
+        queue(at);
     }
     flush_draws();
     if (pass_ == DrawPass::depth_only && !drawn_.empty()) {
@@ -321,6 +347,7 @@ void CullFrame::finish()
         ++report_.counters.draw_calls;
     }
     draw_translucent();
+    finished_ = true;
     device_.end_frame();
 }
 

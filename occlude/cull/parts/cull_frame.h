@@ -9,10 +9,12 @@
 // is drawn later.
 #pragma once
 
+#include <occlude/core/assert.h>
 #include <occlude/core/frame_report.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/view.h>
 #include <occlude/cull/parts/frame_record.h>
+#include <occlude/cull/parts/item_position.h>
 #include <occlude/hierarchy/hierarchy.h>
 #include <occlude/screen/projection.h>
 
@@ -43,7 +45,11 @@ public:
         boxes_.push_back({inflated_box, &world_from_box, subject});
     }
     /// Ends the test being collected. Precondition: it has a box.
-    void end_test() { ends_.push_back(static_cast<uint32_t>(boxes_.size())); }
+    void end_test()
+    {
+        OCCLUDE_ASSERT(boxes_.size() > (ends_.empty() ? 0 : ends_.back()), "a test has a box (C6)");
+        ends_.push_back(static_cast<uint32_t>(boxes_.size()));
+    }
 
     std::span<const QueryBox> boxes() const { return boxes_; }
     std::span<const uint32_t> test_ends() const { return ends_; }
@@ -58,6 +64,10 @@ public:
     /// Begins the device's frame and clears `record`. All references outlive the frame.
     CullFrame(const Hierarchy& hierarchy, FrameRecord& record, const View& view,
               QueryDevice& device, FrameReport& report);
+    /// Ends the device's frame if finish() did not: the device threw.
+    ~CullFrame();
+    CullFrame(const CullFrame&) = delete;
+    CullFrame& operator=(const CullFrame&) = delete;
 
     const View& view() const { return view_; }
     const Hierarchy& hierarchy() const { return hierarchy_; }
@@ -75,9 +85,9 @@ public:
     /// that its descendants need not test. Counts one visited node.
     bool visit(NodeId node, PlaneMask& mask);
 
-    /// The same of one item of node `owner`, by its place in Hierarchy::items(); logged of the
+    /// The same of one item of node `owner`, by its position in Hierarchy::items(); logged of the
     /// item.
-    bool visit_item(NodeId owner, uint32_t place, PlaneMask& mask);
+    bool visit_item(NodeId owner, ItemPosition at, PlaneMask& mask);
 
     /// The same of a node by the ball around the node's box first (classify_sphere_first()), with
     /// its box only if it is longer than `elongation`: true for some more nodes that are outside.
@@ -95,8 +105,8 @@ public:
     void draw_leaf(NodeId leaf, PlaneMask mask, Decision decision);
     /// ... the items of an inner node itself, without its children.
     void draw_own(NodeId node, PlaneMask mask, Decision decision);
-    /// ... one item of node `owner`, by its place in Hierarchy::items().
-    void draw_item(NodeId owner, uint32_t place, PlaneMask mask, Decision decision);
+    /// ... one item of node `owner`, by its position in Hierarchy::items().
+    void draw_item(NodeId owner, ItemPosition at, PlaneMask mask, Decision decision);
     /// ... items by id, in this order (for algorithms that know them otherwise).
     void draw_items(std::span<const ItemId> items, uint64_t triangles);
 
@@ -120,7 +130,7 @@ public:
     bool can_draw_and_query(NodeId leaf) const;
 
     /// Draws a leaf at once and counts its own samples: a test with the geometry itself.
-    /// Precondition: can_draw_and_query(leaf); else what is set aside is not counted.
+    /// Precondition: can_draw_and_query(leaf); items set aside would not be counted.
     Ticket draw_and_query(NodeId leaf, PlaneMask mask, Decision decision);
 
     /// Draws depth only from now on; finish() then shades all drawn items in one batch.
@@ -137,6 +147,8 @@ public:
 
     Answer poll(Ticket ticket);
     Answer wait(Ticket ticket);
+    /// The algorithm will not ask for this ticket any more. The next frames spend it.
+    void abandon(Ticket ticket) { record_.tickets.abandon(ticket); }
 
     /// How many more tests the device can take (C11), for a culler that holds `held` unspent
     /// tickets.
@@ -154,23 +166,22 @@ public:
         record_.decisions.add(node, decision, scope);
     }
 
-    /// ... of one item of node `owner`, by its place in Hierarchy::items().
-    void decide_item(NodeId owner, uint32_t place, Decision decision)
+    /// ... of one item of node `owner`, by its position in Hierarchy::items().
+    void decide_item(NodeId owner, ItemPosition at, Decision decision)
     {
-        record_.decisions.add(owner, hierarchy_.items()[place], decision);
+        record_.decisions.add(owner, item_at(hierarchy_, at), decision);
     }
 
-    /// Draws what is still queued and the items set aside, shades after a depth-only pass, ends the
-    /// device\'s frame.
+    /// Draws the queued items and the items set aside, shades after a depth-only pass, ends the
+    /// device's frame.
     void finish();
 
 private:
     void draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMask mask, Decision decision,
                     DecisionLog::Scope scope);
     void start_never_culled();
-    void spend_abandoned();
-    bool set_aside(uint32_t position);
-    void queue(uint32_t position);
+    bool set_aside(ItemPosition at);
+    void queue(ItemPosition at);
     void draw_translucent();
     void enter_state(bool testing);
     TestMethod method_for(TestMethod asked) const;
@@ -186,6 +197,7 @@ private:
     uint64_t queued_triangles_ = 0;
     DrawPass pass_ = DrawPass::shade;
     bool testing_ = false;
+    bool finished_ = false;
 };
 
 /// A visibility threshold in samples: above it, or unknown, is visible.

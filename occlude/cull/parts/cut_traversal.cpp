@@ -9,7 +9,7 @@ bool CutTraversal::visible(NodeId node) const
     const Node& n = hierarchy_.node(node);
     return std::ranges::any_of(cut_.entries(), [&](const Entry& entry) {
         const uint32_t first =
-            entry.is_item() ? entry.place : hierarchy_.node(entry.node).first_item;
+            entry.is_item() ? entry.place.value : hierarchy_.node(entry.node).first_item;
         return entry.state == State::visible && first >= n.first_item &&
                first < n.first_item + n.subtree_items;
     });
@@ -26,7 +26,7 @@ void CutTraversal::forget()
 double CutTraversal::units_of(const Entry& entry) const
 {
     if (entry.is_item()) {
-        return units(hierarchy_.item_bounds()[entry.place].triangles, 1);
+        return units(bounds_at(hierarchy_, entry.place).triangles, 1);
     }
     const Node& node = hierarchy_.node(entry.node);
     return units(node.subtree_triangles, node.subtree_items);
@@ -72,10 +72,11 @@ void CutTraversal::add_parts(const CullFrame& frame, const CutCandidate& candida
     for (uint32_t i = 0; i < node.child_count; ++i) {
         const NodeId child{node.first_child.value + i};
         parts_.push_back(
-            {frame.view().distance_key(hierarchy_.node(child).box), child, HierarchyCut::kSubtree});
+            {frame.view().distance_key(hierarchy_.node(child).box), child, ItemPosition{}});
     }
-    for (uint32_t place = node.first_item; place < node.first_item + node.own_items; ++place) {
-        parts_.push_back({frame.view().distance_key(hierarchy_.item_bounds()[place].box),
+    for (uint32_t i = 0; i < node.own_items; ++i) {
+        const ItemPosition place{node.first_item + i};
+        parts_.push_back({frame.view().distance_key(bounds_at(hierarchy_, place).box),
                           candidate.entry.node, place});
     }
     std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) {

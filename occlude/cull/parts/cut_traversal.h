@@ -96,7 +96,7 @@ public:
 
     const Aabb& box_of(const Entry& entry) const
     {
-        return entry.is_item() ? hierarchy_.item_bounds()[entry.place].box
+        return entry.is_item() ? bounds_at(hierarchy_, entry.place).box
                                : hierarchy_.node(entry.node).box;
     }
     uint64_t items_of(const Entry& entry) const
@@ -115,7 +115,7 @@ public:
     bool opens(const Entry& entry) const;
     static uint64_t name_of(const Entry& entry)
     {
-        return uint64_t{entry.node.value} << 32 | entry.place;
+        return uint64_t{entry.node.value} << 32 | entry.place.value;
     }
 
     bool visit(CullFrame& frame, CutCandidate& candidate) const;
@@ -157,7 +157,7 @@ private:
     struct Part {
         float distance;
         NodeId node;
-        uint32_t place;
+        ItemPosition place;
     };
 
     const Hierarchy& hierarchy_;

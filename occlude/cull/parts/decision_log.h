@@ -1,5 +1,5 @@
-// What a culler decided for each part of the tree in one frame, and why: for pictures, for error
-// messages, and for hashes that prove two runs made the same decisions.
+// The decisions of a culler for each part of the tree in one frame, and why: for pictures, for
+// error messages, and for hashes that prove two runs made the same decisions.
 #pragma once
 
 #include <occlude/core/ids.h>
@@ -37,7 +37,7 @@ uint64_t walk_hash(uint64_t walk_so_far, uint64_t next_frame);
 
 class DecisionLog {
 public:
-    /// What of a node a decision speaks for.
+    /// The part of a node that a decision speaks for.
     enum class Scope : uint8_t {
         subtree,   ///< all items of the node and below
         own_items, ///< the items of an inner node itself

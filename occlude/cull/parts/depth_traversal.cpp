@@ -46,8 +46,9 @@ const ItemShapes::Placed* DepthTraversal::shape_of(const Entry& entry) const
         return nullptr;
     }
     const Hierarchy& hierarchy = cut_.hierarchy();
-    const uint32_t place = entry.is_item() ? entry.place : hierarchy.node(entry.node).first_item;
-    return hierarchy.shapes()->find(hierarchy.items()[place]);
+    const ItemPosition place =
+        entry.is_item() ? entry.place : ItemPosition{hierarchy.node(entry.node).first_item};
+    return hierarchy.shapes()->find(item_at(hierarchy, place));
 }
 
 // Shapes are tested one by one and are few, so that each can be timed.

@@ -1,6 +1,7 @@
 // The traversal queue that CHC and its kin call DistanceQueue: nodes, nearest first.
 #pragma once
 
+#include <occlude/core/assert.h>
 #include <occlude/core/frustum.h>
 #include <occlude/core/ids.h>
 #include <occlude/core/view.h>
@@ -41,6 +42,7 @@ public:
     /// repeatable.
     Entry pop()
     {
+        OCCLUDE_ASSERT(!empty(), "an empty queue has nothing to pop");
         std::pop_heap(heap_.begin(), heap_.end(), farther);
         const Entry entry = heap_.back();
         heap_.pop_back();

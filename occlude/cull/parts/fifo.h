@@ -1,6 +1,8 @@
 // A first-in first-out queue over one vector: no allocation once it has grown, unlike std::queue.
 #pragma once
 
+#include <occlude/core/assert.h>
+
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -12,11 +14,16 @@ class Fifo {
 public:
     bool empty() const { return head_ == items_.size(); }
     size_t size() const { return items_.size() - head_; }
-    const T& front() const { return items_[head_]; }
+    const T& front() const
+    {
+        OCCLUDE_ASSERT(!empty(), "the front of an empty queue");
+        return items_[head_];
+    }
     void push(T item) { items_.push_back(std::move(item)); }
 
     T pop()
     {
+        OCCLUDE_ASSERT(!empty(), "an empty queue has nothing to pop");
         T item = std::move(items_[head_++]);
         if (empty()) {
             clear();

@@ -1,11 +1,12 @@
-// What one frame of a culler leaves behind: the items it drew and why, and the tests whose answers
-// nobody wants. A CullFrame fills it; the culler keeps it between frames, so that a frame allocates
-// nothing once its vectors have grown.
+// The results of one frame of a culler: the items it drew and why. A CullFrame fills it; the
+// culler keeps it between frames, so that a frame allocates nothing once its vectors have grown.
 #pragma once
 
 #include <occlude/core/ids.h>
 #include <occlude/cull/parts/back_to_front.h>
 #include <occlude/cull/parts/decision_log.h>
+#include <occlude/cull/parts/item_position.h>
+#include <occlude/cull/parts/ticket_ledger.h>
 
 #include <cstdint>
 #include <vector>
@@ -15,11 +16,11 @@ namespace occlude {
 struct FrameRecord {
     std::vector<ItemId> drawn_items;                ///< in draw order, each once
     std::vector<TranslucentItem> translucent_items; ///< drawn last, back to front
-    std::vector<uint32_t> late_items; ///< never_occlude items, as places in Hierarchy::items()
+    std::vector<ItemPosition> late_items;           ///< never_occlude items
     DecisionLog decisions;
-    std::vector<Ticket> abandoned_tickets; ///< to be spent; they outlive frames
+    TicketLedger tickets; ///< outlasts frames
 
-    /// Leaves the abandoned tickets.
+    /// Forgets the last frame, but not its tickets.
     void clear()
     {
         drawn_items.clear();

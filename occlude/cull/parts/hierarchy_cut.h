@@ -11,6 +11,7 @@
 //          H O i                    Every item lies below exactly one entry or is one.
 #pragma once
 
+#include <occlude/cull/parts/item_position.h>
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <algorithm>
@@ -24,17 +25,16 @@ namespace occlude {
 class HierarchyCut {
 public:
     enum class State : uint8_t { unknown, hidden, visible, outside };
-    static constexpr uint32_t kSubtree = 0xffffffffu;
 
     struct Entry {
         NodeId node;
-        uint32_t place = kSubtree;  ///< of one of the node's own items in Hierarchy::items(), or
-                                    ///< the node with all that is below it
+        ItemPosition place = {};    ///< of one of the node's own items; invalid: the node with
+                                    ///< everything below it
         uint32_t tested = 0;        ///< stamp of the last test; 0: never
         uint16_t frames_hidden = 0; ///< frames for which tests have found nothing
         State state = State::unknown;
 
-        bool is_item() const { return place != kSubtree; }
+        bool is_item() const { return place.valid(); }
     };
 
     /// Forgets everything: one unknown entry, the root. Precondition: the tree is not empty.
@@ -94,7 +94,7 @@ inline void HierarchyCut::fetch_ahead([[maybe_unused]] const Hierarchy& hierarch
     if (i + kAhead < entries.size()) {
         const Entry& entry = entries[i + kAhead];
         const Node* node = &hierarchy.node(entry.node);
-        const ItemBounds* item = entry.is_item() ? &hierarchy.item_bounds()[entry.place] : nullptr;
+        const ItemBounds* item = entry.is_item() ? &bounds_at(hierarchy, entry.place) : nullptr;
         const char* first =
             item ? reinterpret_cast<const char*>(item) : reinterpret_cast<const char*>(node);
         __builtin_prefetch(first);
@@ -133,7 +133,7 @@ void HierarchyCut::finish(const Hierarchy& hierarchy, Chosen&& chosen, Merged&& 
         const uint32_t parts = node.child_count + node.own_items;
         Entry replacement = quiet_[first].entry;
         replacement.node = parent;
-        replacement.place = kSubtree;
+        replacement.place = ItemPosition{};
         if (end - first == parts && merged(parent, outside == parts, replacement)) {
             entries_.push_back(replacement);
             continue;

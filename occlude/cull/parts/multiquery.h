@@ -12,6 +12,7 @@
 // An algorithm calls a node by a number of its own, its *member*: a node id, or an index.
 #pragma once
 
+#include <occlude/core/assert.h>
 #include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/cull_frame.h>
 
@@ -105,6 +106,7 @@ MultiqueryBatcher::Test MultiqueryBatcher::add_test(std::span<const Member> memb
 template <class AddBoxes>
 MultiqueryBatcher::Test MultiqueryBatcher::add_part(const Test& part, AddBoxes&& add_boxes)
 {
+    OCCLUDE_ASSERT(part.first + part.count <= members_.size(), "a test of another frame");
     for (const Member member : members(part)) {
         add_boxes(member, batch_);
     }
@@ -135,6 +137,7 @@ template <class Each>
 void MultiqueryBatcher::split(CullFrame& frame, const Test& failed, Each&& each)
 {
     ++frame.counters().multiqueries_failed;
+    OCCLUDE_ASSERT(failed.count > 1, "a test of one node is an answer");
     const auto most = static_cast<uint32_t>(failed_multiquery_part(failed.count, most_singly_));
     for (uint32_t i = 0; i < failed.count; i += most) {
         each(Test{Ticket{}, failed.first + i, std::min(most, failed.count - i)});

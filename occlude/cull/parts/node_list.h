@@ -2,6 +2,7 @@
 // children. Doubly linked over one vector, so that positions stay good while others come and go.
 #pragma once
 
+#include <occlude/core/assert.h>
 #include <occlude/core/frustum.h>
 #include <occlude/core/ids.h>
 
@@ -28,7 +29,11 @@ public:
     bool empty() const { return begin() == end(); }
     Position begin() const { return entries_.front().next; }
     static constexpr Position end() { return 0; }
-    Position next(Position at) const { return entries_[at].next; }
+    Position next(Position at) const
+    {
+        OCCLUDE_ASSERT(at < entries_.size(), "a position of another frame");
+        return entries_[at].next;
+    }
     Entry& operator[](Position at) { return entries_[at]; }
 
     /// Adds a node before `at` and returns its position.
@@ -45,6 +50,7 @@ public:
     /// Takes an entry out and returns the position after it. The memory is free again at clear().
     Position erase(Position at)
     {
+        OCCLUDE_ASSERT(at != end() && at < entries_.size(), "the end is no entry to be erased");
         const auto [previous, next] = std::pair{entries_[at].previous, entries_[at].next};
         entries_[previous].next = next;
         entries_[next].previous = previous;

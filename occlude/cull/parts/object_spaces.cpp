@@ -29,6 +29,7 @@ ScreenBounds ObjectSpaces::project(const View& view, const Hierarchy& hierarchy,
 
 ObjectSpaces::Tested ObjectSpaces::tested(const View& view, const Hierarchy& hierarchy, NodeId node)
 {
+    OCCLUDE_ASSERT(node.value < hierarchy.nodes().size(), "a node of another tree");
     const ObjectNodes& info = hierarchy.object_nodes();
     const Aabb& world_box = hierarchy.node(node).box;
     if (info.empty()) {

@@ -1,5 +1,5 @@
-// What the two methods of GPU Gems ch. 29 share: the objects in the frustum near to far, whether
-// one is worth a test, and the boxes of its test.
+// The common parts of the two methods of GPU Gems ch. 29: the objects in the frustum near to far,
+// whether one is worth a test, and the boxes of its test.
 //
 // An *object* is a leaf of the hierarchy, virtual leaves included. Items in inner nodes (of trees
 // that have them) belong to no object: they are drawn untested.
@@ -14,7 +14,7 @@
 
 namespace occlude {
 
-/// Which objects are tested, and with which boxes. What is not tested is drawn.
+/// Which objects are tested, and with which boxes. All others are drawn.
 struct ObjectTestOptions {
     /// 29.6.2: objects nearer to the eye than this, in world units, are not tested. Whatever this
     /// is, a box that the near plane may touch is never tested (rule R1).
@@ -80,15 +80,17 @@ private:
 template <class Visit>
 void visit_options(ObjectTestOptions& o, Visit&& visit)
 {
-    visit("skip_nearer_than", o.skip_nearer_than, "objects nearer than this are not tested");
-    visit("skip_triangles_below", o.skip_triangles_below,
+    visit("skip_nearer_than", o.skip_nearer_than, {}, "objects nearer than this are not tested");
+    visit("skip_triangles_below", o.skip_triangles_below, {},
           "objects of fewer triangles are not tested");
-    visit("skip_larger_than", o.skip_larger_than,
+    visit("skip_larger_than", o.skip_larger_than, {},
           "objects of more than this share of the screen are not tested ...");
-    visit("high_resolution", o.high_resolution, "... on targets of at least so many pixels");
-    visit("sub_box_depth", o.sub_box_depth, "levels of an object's sub-boxes; 0: one box");
-    visit("sub_box_area", o.sub_box_area, "their area over the area of the object's box");
-    visit("sphere_elongation", o.sphere_elongation,
+    visit("high_resolution", o.high_resolution, {},
+          "... if the target has at least this many pixels");
+    visit("sub_box_depth", o.sub_box_depth, {0, 32}, "levels of an object's sub-boxes; 0: one box");
+    visit("sub_box_area", o.sub_box_area, {0.0f, 1000.0f},
+          "their area over the area of the object's box");
+    visit("sphere_elongation", o.sphere_elongation, {},
           "frustum tests by balls first, by boxes if longer than this; 0: boxes alone");
 }
 

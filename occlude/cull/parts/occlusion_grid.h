@@ -1,4 +1,4 @@
-// The grid of the lazy occlusion grid: what is known of the pixels of each cell of the screen.
+// The grid of the lazy occlusion grid: the knowledge of the pixels in each cell of the screen.
 //
 // Pure memory: it neither draws nor reads. LazyGrid (lazy_grid.h) asks it; where it does not know,
 // CellPixels (cell_pixels.h) looks at pixels and tells it what it saw.
@@ -17,6 +17,7 @@
 // box's own nearest depth.
 #pragma once
 
+#include <occlude/core/assert.h>
 #include <occlude/core/query_device.h>
 #include <occlude/screen/screen_box.h>
 
@@ -90,6 +91,8 @@ public:
 private:
     size_t index(glm::ivec2 at) const
     {
+        OCCLUDE_ASSERT(at.x >= 0 && at.y >= 0 && at.x < cells_in_.x && at.y < cells_in_.y,
+                       "a cell of the grid");
         return static_cast<size_t>(at.y) * static_cast<size_t>(cells_in_.x) +
                static_cast<size_t>(at.x);
     }

@@ -1,5 +1,7 @@
 #include <occlude/cull/parts/tight_bounds.h>
 
+#include <occlude/core/assert.h>
+
 #include <utility>
 
 namespace occlude {
@@ -10,6 +12,7 @@ std::span<const NodeId> TightBounds::collect(const Hierarchy& hierarchy, NodeId 
                                              uint32_t depth, float area)
 {
     const auto nodes = hierarchy.nodes();
+    OCCLUDE_ASSERT(node.value < nodes.size(), "a node of another tree");
     const float largest_area = area * surface_area(nodes[node.value].box);
     tight_.assign(1, node);
     for (uint32_t level = 0; level < depth; ++level) {

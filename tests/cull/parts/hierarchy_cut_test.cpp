@@ -99,7 +99,7 @@ TEST(HierarchyCut, TheOwnItemsOfANodeCountAmongItsParts)
     cut.keep(entry(1, State::hidden));
     cut.keep(entry(2, State::hidden));
     HierarchyCut::Entry own = entry(0, State::visible);
-    own.place = 0;
+    own.place = ItemPosition{0u};
     cut.keep(own);
     const auto merge_all = [](NodeId, bool, HierarchyCut::Entry&) { return true; };
     cut.finish(tree, every, merge_all);
