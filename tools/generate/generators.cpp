@@ -16,6 +16,8 @@
 #include "model/mesh_tools.h"
 #include "model/scene_options.h"
 
+#include <occlude/scene/split.h>
+
 #include <fmt/format.h>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -247,6 +249,26 @@ std::span<const Generator> registry()
     return kGenerators;
 }
 
+// Cuts all meshes exactly, and notes those of which a part stayed more than twice as large as
+// asked.
+void split_exactly(SceneModel& model, const SceneOptions& options)
+{
+    const uint32_t most = std::max(options.item_triangles, 1u);
+    for (Mesh& mesh : model.meshes) {
+        split_mesh_exactly(mesh, most, options.cache_folder);
+        const auto large = std::ranges::count_if(mesh.parts, [&](const MeshPart& part) {
+            return part.index_count / 3 > 2 * uint64_t{most};
+        });
+        if (large > 0) {
+            model.load_notes.push_back(
+                fmt::format("{} of {} items of mesh '{}' stayed larger than --item-triangles {}: "
+                            "no plane parts "
+                            "them, or cutting on would make the mesh more than {} times as large",
+                            large, mesh.parts.size(), mesh.name, most, kMaxSplitGrowth));
+        }
+    }
+}
+
 // A scene by its generator or from its file, parted by centroids.
 Result<SceneModel> make_scene(const std::string& source, const SceneOptions& options)
 {
@@ -284,9 +306,7 @@ Result<SceneModel> load_scene(const std::string& source, const SceneOptions& opt
         model->uncut_triangles = drawn_triangles(*model);
     }
     if (model && options.split == SceneOptions::Split::exact) {
-        for (Mesh& mesh : model->meshes) {
-            split_mesh_exactly(mesh, std::max(options.item_triangles, 1u), options.cache_folder);
-        }
+        split_exactly(*model, options);
     }
     if (model) {
         oneapi::tbb::parallel_for(size_t{0}, model->meshes.size(),
