@@ -1,4 +1,5 @@
 #include "commands/cli.h"
+#include "files/last_words.h"
 
 #include <iostream>
 
@@ -7,6 +8,7 @@
 int main(int argc, char** argv)
 {
     using namespace occlude::tools;
+    install_last_words();
     const Watcher watcher = ::isatty(STDERR_FILENO) != 0 ? Watcher::terminal : Watcher::none;
     return run_program(argc, argv, {std::cout, std::cerr, watcher});
 }

@@ -3,7 +3,7 @@
 
 #include "support/flare_walk.h"
 
-namespace occlude::gl {
+namespace occlude {
 namespace {
 
 constexpr glm::ivec2 kScreen{128, 96};
@@ -79,4 +79,4 @@ TEST_F(FlareGlTest, WithFourSamplesPerPixelTheRatioIsTheSame)
 }
 
 } // namespace
-} // namespace occlude::gl
+} // namespace occlude

@@ -8,7 +8,7 @@
 #include <array>
 #include <numbers>
 
-namespace occlude::gl {
+namespace occlude {
 namespace {
 
 constexpr uint64_t kMiddlePixels = 1024;
@@ -627,4 +627,4 @@ TEST_F(GlDeviceTest, WarmUpDrawsNothingAndLeavesNoTicketBehind)
 }
 
 } // namespace
-} // namespace occlude::gl
+} // namespace occlude

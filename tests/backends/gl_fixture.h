@@ -11,12 +11,14 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
-namespace occlude::gl {
+namespace occlude {
 
 /// The engine: item i draws a run of triangles in one colour.
 class QuadScene final : public GlScene {
@@ -86,6 +88,7 @@ void main() { result = color; })");
         glClearDepth(reversed ? 0.0 : 1.0);
         glClearColor(0.0f, 0.0f, 0.0f, 1.0f);
         glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+        call(after_begin);
     }
 
     void draw(std::span<const ItemId> items, DrawPass) override
@@ -95,6 +98,7 @@ void main() { result = color; })");
             glUniform4f(glGetUniformLocation(program_.name(), "color"), shade, 0.5f, 1.0f, 1.0f);
             glDrawArrays(GL_TRIANGLES, firsts_[item.value], counts_[item.value]);
         }
+        call(after_draw);
     }
 
     void restore_state() override
@@ -113,7 +117,10 @@ void main() { result = color; })");
         glFrontFace(GL_CCW);
         glDisable(GL_BLEND);
         glDisable(GL_STENCIL_TEST);
+        call(after_restore);
     }
+
+    void prepare_tests() override { ++prepares; }
 
     void end_frame() override { ++ended; }
 
@@ -128,8 +135,21 @@ void main() { result = color; })");
 
     int restores = 0; ///< calls of restore_state() since begin_frame()
     int ended = 0;
+    int prepares = 0; ///< calls of prepare_tests()
+
+    // What an engine does besides, right or wrong.
+    std::function<void()> after_begin;
+    std::function<void()> after_draw;
+    std::function<void()> after_restore;
 
 private:
+    static void call(const std::function<void()>& hook)
+    {
+        if (hook) {
+            hook();
+        }
+    }
+
     void attach(GlRenderbuffer& buffer, GLenum format, GLenum point, int samples)
     {
         glBindRenderbuffer(GL_RENDERBUFFER, buffer.name());
@@ -204,6 +224,16 @@ protected:
         device = std::move(*made);
     }
 
+    /// A device that tells its faults to `heard`.
+    void make_listening_device(GlDeviceOptions options = {})
+    {
+        options.on_message = [this](const Message& message) {
+            heard.push_back(std::string(message.name));
+            text += std::string(message.text) + "\n";
+        };
+        make_device(options);
+    }
+
     Ticket ask(const Aabb& box, const glm::mat4* world_from_box = nullptr)
     {
         const QueryBox boxes[] = {{box, world_from_box, {}}};
@@ -243,6 +273,8 @@ protected:
     std::unique_ptr<HeadlessContext> context_;
     std::unique_ptr<QuadScene> scene;
     std::unique_ptr<GlDevice> device;
+    std::vector<std::string> heard; ///< names of messages
+    std::string text;               ///< ... and their sentences
 };
 
-} // namespace occlude::gl
+} // namespace occlude

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <array>
 
-namespace occlude::gl {
+namespace occlude {
 namespace {
 
 class GlMethodsTest : public GlFixture, public testing::WithParamInterface<TestMethod> {
@@ -297,4 +297,4 @@ TEST_F(GlOldMethodsTest, OldContextsHaveNoRasterAndSaySo)
 }
 
 } // namespace
-} // namespace occlude::gl
+} // namespace occlude

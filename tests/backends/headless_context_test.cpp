@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace occlude::gl {
+namespace occlude {
 namespace {
 
 TEST(HeadlessContext, IsCurrentAndAtLeastCore33)
@@ -91,4 +91,4 @@ TEST(GlProgram, CompileErrorNamesProgramStageAndReason)
 }
 
 } // namespace
-} // namespace occlude::gl
+} // namespace occlude

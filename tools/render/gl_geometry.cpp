@@ -7,6 +7,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <new>
+#include <optional>
 
 namespace occlude::tools {
 
@@ -44,11 +46,20 @@ const void* at(size_t offset)
 
 } // namespace
 
+size_t write_or_throw(GlStreamBuffer& buffer, std::span<const std::byte> bytes)
+{
+    const std::optional<size_t> offset = buffer.write(bytes);
+    if (!offset) {
+        throw std::bad_alloc();
+    }
+    return *offset;
+}
+
 GlGeometry::GlGeometry(const SceneModel& model, std::span<const SceneModel::Item> items,
                        int gl_version)
     : gl_version_(gl_version)
-    , vertices_(gl::GlBuffer::make())
-    , indices_(gl::GlBuffer::make())
+    , vertices_(GlBuffer::make())
+    , indices_(GlBuffer::make())
     , indirect_(sizeof(Command), kFirstCommands)
 {
     upload_meshes(model);
@@ -115,7 +126,7 @@ void GlGeometry::upload_meshes(const SceneModel& model)
 void GlGeometry::make_row_buffer(RowBuffer& made, std::vector<Row> rows)
 {
     made.rows = std::move(rows);
-    made.vertex_array = gl::GlVertexArray::make();
+    made.vertex_array = GlVertexArray::make();
     glBindVertexArray(made.vertex_array.name());
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.name());
     glBindBuffer(GL_ARRAY_BUFFER, vertices_.name());
@@ -125,7 +136,7 @@ void GlGeometry::make_row_buffer(RowBuffer& made, std::vector<Row> rows)
     glVertexAttribPointer(1, 4, GL_INT_2_10_10_10_REV, GL_TRUE, sizeof(Vertex),
                           at(offsetof(Vertex, normal)));
 
-    made.buffer = gl::GlBuffer::make();
+    made.buffer = GlBuffer::make();
     glBindBuffer(GL_ARRAY_BUFFER, made.buffer.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(made.rows.size() * sizeof(Row)),
                  made.rows.data(), GL_DYNAMIC_DRAW);
@@ -214,7 +225,8 @@ void GlGeometry::draw(std::span<const ItemId> items, Rows rows)
         draw_one_by_one(buffer);
         return;
     }
-    const size_t offset = indirect_.write(std::as_bytes(std::span<const Command>(commands_)));
+    const size_t offset =
+        write_or_throw(indirect_, std::as_bytes(std::span<const Command>(commands_)));
     glBindBuffer(GL_DRAW_INDIRECT_BUFFER, indirect_.name());
     glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, at(offset),
                                 static_cast<GLsizei>(commands_.size()), 0);

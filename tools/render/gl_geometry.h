@@ -9,11 +9,15 @@
 #include <glm/vec4.hpp>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 namespace occlude::tools {
+
+/// What GlStreamBuffer::write() returns; throws std::bad_alloc if the driver has no memory.
+size_t write_or_throw(GlStreamBuffer& buffer, std::span<const std::byte> bytes);
 
 /// Vertex attributes: 0 position, 1 normal, both in the space of the mesh; per drawn instance 2 to
 /// 4 the rows of world_from_mesh, 5 colour and opacity, 6 id.
@@ -61,8 +65,8 @@ private:
 
     // A buffer of rows and the vertex array that reads it.
     struct RowBuffer {
-        gl::GlVertexArray vertex_array;
-        gl::GlBuffer buffer;
+        GlVertexArray vertex_array;
+        GlBuffer buffer;
         std::vector<Row> rows;
     };
 
@@ -79,9 +83,9 @@ private:
     void draw_one_by_one(const RowBuffer& rows);
 
     int gl_version_ = 0;
-    gl::GlBuffer vertices_;
-    gl::GlBuffer indices_;
-    gl::GlStreamBuffer indirect_;
+    GlBuffer vertices_;
+    GlBuffer indices_;
+    GlStreamBuffer indirect_;
     std::vector<MeshPlace> mesh_places_; ///< by mesh
     RowBuffer instance_rows_;
     RowBuffer item_rows_;                ///< made when needed

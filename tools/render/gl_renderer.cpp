@@ -28,16 +28,16 @@ glm::vec3 direction_toward_light(const glm::vec3& up)
 }
 
 struct Programs {
-    gl::GlProgram shade;
-    gl::GlProgram depth;
-    gl::GlProgram ids;
-    gl::GlProgram lines;
+    GlProgram shade;
+    GlProgram depth;
+    GlProgram ids;
+    GlProgram lines;
 
     static Result<Programs> make()
     {
         Programs programs;
         struct Wanted {
-            gl::GlProgram& program;
+            GlProgram& program;
             const char* name;
             const std::string& vertex;
             const std::string& fragment;
@@ -48,8 +48,7 @@ struct Programs {
              {programs.ids, "ids", shaders::kIdVertex, shaders::kIdFragment},
              {programs.lines, "lines", shaders::kLineVertex, shaders::kLineFragment}}};
         for (const Wanted& wanted : all) {
-            Result<gl::GlProgram> made =
-                gl::make_program(wanted.name, wanted.vertex, wanted.fragment);
+            Result<GlProgram> made = make_program(wanted.name, wanted.vertex, wanted.fragment);
             if (!made) {
                 return made.error();
             }
@@ -59,7 +58,7 @@ struct Programs {
     }
 };
 
-class GlRenderer final : public SceneRenderer, private gl::GlScene {
+class GlRenderer final : public SceneRenderer, private GlScene {
 public:
     static Result<std::unique_ptr<SceneRenderer>> create(const SceneModel& model,
                                                          std::span<const SceneModel::Item> items,
@@ -84,7 +83,7 @@ public:
     void update_items(std::span<const SceneModel::Item> items) override;
 
 private:
-    GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const SceneModel& model,
+    GlRenderer(std::unique_ptr<HeadlessContext> context, const SceneModel& model,
                std::span<const SceneModel::Item> items, int gl_version);
     void find_translucent(std::span<const SceneModel::Item> items);
     Result<bool> make_parts(glm::ivec2 size, int samples, const GlRendererOptions& options);
@@ -102,9 +101,9 @@ private:
     }
 
     void set_view(const View& view);
-    void use_camera(const gl::GlProgram& program) const;
+    void use_camera(const GlProgram& program) const;
 
-    std::unique_ptr<gl::HeadlessContext> context_; // first: everything below dies in it
+    std::unique_ptr<HeadlessContext> context_; // first: everything below dies in it
     const SceneModel& model_;
     int gl_version_ = 0;
     glm::vec3 toward_light_{0.0f, 1.0f, 0.0f};
@@ -113,15 +112,15 @@ private:
     GlGeometry geometry_;
     GlTarget target_;
     Programs programs_;
-    gl::GlVertexArray line_vertices_;
-    gl::GlStreamBuffer line_points_;
-    std::unique_ptr<gl::GlDepthReader> depth_reader_;
-    std::unique_ptr<gl::GlDevice> device_;
+    GlVertexArray line_vertices_;
+    GlStreamBuffer line_points_;
+    std::unique_ptr<GlDepthReader> depth_reader_;
+    std::unique_ptr<GlDevice> device_;
     View view_;
     GlGeometry::Rows rows_ = GlGeometry::Rows::instance;
 };
 
-GlRenderer::GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const SceneModel& model,
+GlRenderer::GlRenderer(std::unique_ptr<HeadlessContext> context, const SceneModel& model,
                        std::span<const SceneModel::Item> items, int gl_version)
     : context_(std::move(context))
     , model_(model)
@@ -129,7 +128,7 @@ GlRenderer::GlRenderer(std::unique_ptr<gl::HeadlessContext> context, const Scene
     , toward_light_(direction_toward_light(model.up))
     , item_count_(items.size())
     , geometry_(model, items, gl_version)
-    , line_vertices_(gl::GlVertexArray::make())
+    , line_vertices_(GlVertexArray::make())
     , line_points_(sizeof(glm::vec3), 4096)
 {
     find_translucent(items);
@@ -167,12 +166,12 @@ Result<bool> GlRenderer::make_parts(glm::ivec2 size, int samples, const GlRender
     if (!target) {
         return target.error();
     }
-    auto reader = gl::GlDepthReader::create();
+    auto reader = GlDepthReader::create();
     if (!reader) {
         return reader.error();
     }
     depth_reader_ = std::move(*reader);
-    auto device = gl::GlDevice::create(*this, {.max_gl_version = options.max_gl_version});
+    auto device = GlDevice::create(*this, {.max_gl_version = options.max_gl_version});
     if (!device) {
         return device.error();
     }
@@ -185,7 +184,7 @@ Result<std::unique_ptr<SceneRenderer>> GlRenderer::create(const SceneModel& mode
                                                           glm::ivec2 size, int samples,
                                                           const GlRendererOptions& options)
 {
-    auto context = gl::HeadlessContext::create();
+    auto context = HeadlessContext::create();
     if (!context) {
         return context.error();
     }
@@ -235,7 +234,7 @@ void GlRenderer::set_view(const View& view)
     glClearDepth(convention.order == DepthOrder::near_is_large ? 0.0 : 1.0);
 }
 
-void GlRenderer::use_camera(const gl::GlProgram& program) const
+void GlRenderer::use_camera(const GlProgram& program) const
 {
     glUseProgram(program.name());
     const glm::mat4 clip_from_relative{view_.clip_from_relative()};
@@ -421,7 +420,7 @@ void GlRenderer::draw_lines(const View& view, std::span<const glm::vec3> points,
     use_camera(programs_.lines);
     glUniform4fv(glGetUniformLocation(programs_.lines.name(), "line_color"), 1, &color.x);
     glBindVertexArray(line_vertices_.name());
-    const size_t offset = line_points_.write(std::as_bytes(points));
+    const size_t offset = write_or_throw(line_points_, std::as_bytes(points));
     glDrawArrays(GL_LINES, static_cast<GLint>(offset / sizeof(glm::vec3)),
                  static_cast<GLsizei>(points.size()));
 }

@@ -22,8 +22,8 @@ void main() { color = texelFetch(samples, ivec2(gl_FragCoord.xy), which); }
 bool GlTarget::make_attachments(Attachments& made, GLenum color_format, glm::ivec2 size,
                                 int samples)
 {
-    const auto allocate = [&](gl::GlRenderbuffer& buffer, GLenum format) {
-        buffer = gl::GlRenderbuffer::make();
+    const auto allocate = [&](GlRenderbuffer& buffer, GLenum format) {
+        buffer = GlRenderbuffer::make();
         glBindRenderbuffer(GL_RENDERBUFFER, buffer.name());
         glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples > 1 ? samples : 0, format, size.x,
                                          size.y);
@@ -32,7 +32,7 @@ bool GlTarget::make_attachments(Attachments& made, GLenum color_format, glm::ive
     // Float depth: reading it back is six times cheaper than 24-bit depth with llvmpipe.
     allocate(made.depth, GL_DEPTH_COMPONENT32F);
     glBindRenderbuffer(GL_RENDERBUFFER, 0);
-    made.framebuffer = gl::GlFramebuffer::make();
+    made.framebuffer = GlFramebuffer::make();
     glBindFramebuffer(GL_FRAMEBUFFER, made.framebuffer.name());
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
                               made.color.name());
@@ -149,7 +149,7 @@ std::vector<uint32_t> GlTarget::read_ids() const
     return ids;
 }
 
-Capture GlTarget::capture(gl::GlDepthReader& reader) const
+Capture GlTarget::capture(GlDepthReader& reader) const
 {
     Capture capture;
     capture.color.size = size_;
@@ -158,7 +158,7 @@ Capture GlTarget::capture(gl::GlDepthReader& reader) const
     capture.depth.resize(pixel_count);
 
     bind();
-    reader.read({0, 0, size_.x, size_.y}, gl::DepthSample::first, capture.depth);
+    reader.read({0, 0, size_.x, size_.y}, DepthSample::first, capture.depth);
     if (samples_ > 1) {
         glBindFramebuffer(GL_READ_FRAMEBUFFER, main_.framebuffer.name());
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.framebuffer.name());

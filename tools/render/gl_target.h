@@ -32,13 +32,13 @@ public:
     std::vector<uint32_t> read_ids() const;
 
     /// Resolved colour and depth. Changes the state that GlDepthReader::read names.
-    Capture capture(gl::GlDepthReader& reader) const;
+    Capture capture(GlDepthReader& reader) const;
 
 private:
     struct Attachments {
-        gl::GlFramebuffer framebuffer;
-        gl::GlRenderbuffer color;
-        gl::GlRenderbuffer depth;
+        GlFramebuffer framebuffer;
+        GlRenderbuffer color;
+        GlRenderbuffer depth;
     };
     static bool make_attachments(Attachments& made, GLenum color_format, glm::ivec2 size,
                                  int samples);

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace occlude::gl {
+namespace occlude {
 
 namespace {
 
@@ -157,9 +157,10 @@ void GlBoxTests::point_attributes_at(size_t offset)
                            reinterpret_cast<const void*>(offset + offsetof(BoxRow, test)));
 }
 
-void GlBoxTests::set_view(const View& view)
+void GlBoxTests::set_view(const View& view, const GlTargetState& target)
 {
     view_ = view;
+    target_ = target;
     queries_.view_changed = true;
     raster_.view_changed = true;
 }
@@ -168,22 +169,23 @@ void GlBoxTests::enter(TestMethod method)
 {
     Program& program = method == TestMethod::raster ? raster_ : queries_;
     const ClipConvention convention = view_.convention();
-    const bool reversed = convention.order == DepthOrder::near_is_large;
     glUseProgram(program.program.name());
     if (program.view_changed) {
         const float range = convention.range == DepthRange::minus_one_to_one ? 2.0f : 1.0f;
         const glm::mat4 clip_from_relative{view_.clip_from_relative()};
         glUniformMatrix4fv(program.clip_from_relative, 1, GL_FALSE,
                            glm::value_ptr(clip_from_relative));
-        glUniform1f(program.toward_viewer_per_w,
-                    toward_viewer_sign() * range * (depth_bias_ + view_.inflation().depth_bias));
+        // Ours is a bias of values in the depth buffer, of which the view may use a part; that of
+        // the view is one of its own depth.
+        const float bias = depth_bias_ / target_.depth_extent() + view_.inflation().depth_bias;
+        glUniform1f(program.toward_viewer_per_w, toward_viewer_sign() * range * bias);
         program.view_changed = false;
     }
     glBindVertexArray(vertex_array_.name());
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glDepthMask(GL_FALSE);
     glEnable(GL_DEPTH_TEST);
-    glDepthFunc(reversed ? GL_GEQUAL : GL_LEQUAL);
+    glDepthFunc(target_.near_is_large(convention.order) ? GL_GEQUAL : GL_LEQUAL);
     glEnable(GL_DEPTH_CLAMP);
     glDisable(GL_CULL_FACE);
 }
@@ -221,18 +223,22 @@ void GlBoxTests::add_row(const QueryBox& box, size_t test)
 }
 
 // Where the rows are in the stream.
-size_t GlBoxTests::write_rows()
+std::optional<size_t> GlBoxTests::write_rows()
 {
     return stream_.write(std::as_bytes(std::span<const BoxRow>(rows_)));
 }
 
-void GlBoxTests::queries(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets)
+bool GlBoxTests::queries(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets)
 {
     rows_.clear();
     for (const QueryBox& box : batch.boxes) {
         add_row(box, 0);
     }
-    const size_t offset = write_rows();
+    const std::optional<size_t> offset = write_rows();
+    if (!offset) {
+        std::ranges::fill(tickets, Ticket{});
+        return false;
+    }
 
     uint32_t begin = 0;
     for (size_t test = 0; test < batch.test_ends.size(); ++test) {
@@ -243,14 +249,15 @@ void GlBoxTests::queries(const QueryBatch& batch, GlQueryPool& pool, std::span<T
             tickets[test] = pool.begin();
         }
         if (tickets[test].valid()) {
-            draw(offset, begin, end - begin);
+            draw(*offset, begin, end - begin);
             pool.end();
         }
         begin = end;
     }
+    return true;
 }
 
-void GlBoxTests::raster(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets)
+bool GlBoxTests::raster(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets)
 {
     const std::shared_ptr<GlFlagBatch> flags = flags_.take();
     rows_.clear();
@@ -268,12 +275,18 @@ void GlBoxTests::raster(const QueryBatch& batch, GlQueryPool& pool, std::span<Ti
         begin = end;
     }
     if (rows_.empty()) {
-        return;
+        return true;
     }
-    const size_t offset = write_rows();
-    flags->begin(batch.test_ends.size(), kFlagBinding);
-    draw(offset, 0, static_cast<uint32_t>(rows_.size()));
+    // Tickets were promised: flags that could not be made answer "seen".
+    const bool ready = flags->begin(batch.test_ends.size(), kFlagBinding);
+    const std::optional<size_t> offset = write_rows();
+    if (!ready || !offset) {
+        flags->give_up();
+        return false;
+    }
+    draw(*offset, 0, static_cast<uint32_t>(rows_.size()));
     flags->end();
+    return true;
 }
 
 // Draws boxes [first, first + count) of the rows at byte `first_offset` of the stream.
@@ -291,4 +304,4 @@ void GlBoxTests::draw(size_t first_offset, uint32_t first, uint32_t count)
                             static_cast<GLsizei>(count));
 }
 
-} // namespace occlude::gl
+} // namespace occlude

@@ -1,14 +1,24 @@
 #include <occlude/backends/gl/detail/gl_depth_reader.h>
 
+#include <occlude/backends/gl/detail/gl_saved_state.h>
+#include <occlude/core/tiles.h>
+
 #include <glm/common.hpp>
 
-#include <array>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
 
-namespace occlude::gl {
+namespace occlude {
 
 namespace {
 
-constexpr const char* kVertexShader = R"(#version 330 core
+constexpr int kLargestStep = 8; // a fragment looks at up to 8x8 texels
+
+constexpr const char* kVersion = "#version 330 core\n";
+
+constexpr const char* kVertexShader = R"(
 void main()
 {
     vec2 corner = vec2((gl_VertexID & 1) * 4 - 1, (gl_VertexID & 2) * 2 - 1);
@@ -16,98 +26,91 @@ void main()
 }
 )";
 
-constexpr const char* kFragmentShader = R"(#version 330 core
+constexpr const char* kFragmentShader = R"(
+#ifdef SAMPLES
 uniform sampler2DMS depth;
-uniform int mode; // DepthSample
+#else
+uniform sampler2D depth;
+#endif
+uniform int mode;         // DepthSample
 uniform int sample_count;
+uniform int side;         // of the block of texels that becomes one
+uniform ivec2 origin;     // of the texels that count
+uniform ivec2 extent;     // how many there are
+uniform bool from_above;  // blocks are counted from the last row down
 layout(location = 0) out float reduced;
+
+float reduce(float a, float b)
+{
+    return mode == 0 ? min(a, b) : max(a, b);
+}
+
+float texel(ivec2 at)
+{
+    at.y = from_above ? extent.y - 1 - at.y : at.y;
+    float result = texelFetch(depth, origin + at, 0).r;
+#ifdef SAMPLES
+    for (int i = 1; i < sample_count && mode != 2; ++i) {
+        result = reduce(result, texelFetch(depth, origin + at, i).r);
+    }
+#endif
+    return result;
+}
 
 void main()
 {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float result = texelFetch(depth, pixel, 0).r;
-    for (int i = 1; i < sample_count && mode != 2; ++i) {
-        float value = texelFetch(depth, pixel, i).r;
-        result = mode == 0 ? min(result, value) : max(result, value);
+    ivec2 first = ivec2(gl_FragCoord.xy) * side;
+    ivec2 end = min(first + side, extent);
+    float result = texel(first);
+    for (int y = first.y; y < end.y; ++y) {
+        for (int x = first.x; x < end.x; ++x) {
+            result = reduce(result, texel(ivec2(x, y)));
+        }
     }
-    reduced = result;
+    reduced = mode == 2 ? texel(first) : result;
 }
 )";
 
-// What reading changes and the engine set once for the frame: put back when this goes.
-class SavedTargets {
-public:
-    SavedTargets()
-    {
-        glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_);
-        glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_);
-        glGetIntegerv(GL_VIEWPORT, viewport_.data());
-        scissor_ = glIsEnabled(GL_SCISSOR_TEST);
-    }
-    ~SavedTargets()
-    {
-        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_));
-        glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_));
-        glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
-        if (scissor_) {
-            glEnable(GL_SCISSOR_TEST);
-        }
-    }
-    SavedTargets(const SavedTargets&) = delete;
-    SavedTargets& operator=(const SavedTargets&) = delete;
-
-    GLuint draw() const { return static_cast<GLuint>(draw_); }
-
-private:
-    GLint draw_ = 0;
-    GLint read_ = 0;
-    std::array<GLint, 4> viewport_{};
-    GLboolean scissor_ = GL_FALSE;
-};
-
-void reset_pixel_pack()
-{
-    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-    glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    glPixelStorei(GL_PACK_ROW_LENGTH, 0);
-    glPixelStorei(GL_PACK_SKIP_ROWS, 0);
-    glPixelStorei(GL_PACK_SKIP_PIXELS, 0);
-}
-
-GLint depth_attachment(GLenum what)
+GLint depth_attachment(GLuint framebuffer, GLenum what)
 {
     GLint value = 0;
-    glGetFramebufferAttachmentParameteriv(GL_DRAW_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, what, &value);
+    glGetFramebufferAttachmentParameteriv(
+        GL_DRAW_FRAMEBUFFER, framebuffer == 0 ? GL_DEPTH : GL_DEPTH_ATTACHMENT, what, &value);
     return value;
 }
 
-bool has_depth(GLuint framebuffer)
+// False if there is no depth to read, or one per layer.
+bool has_readable_depth(GLuint framebuffer)
 {
-    GLint type = GL_NONE;
-    glGetFramebufferAttachmentParameteriv(GL_DRAW_FRAMEBUFFER,
-                                          framebuffer == 0 ? GL_DEPTH : GL_DEPTH_ATTACHMENT,
-                                          GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE, &type);
-    return type != GL_NONE;
+    const GLint type = depth_attachment(framebuffer, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE);
+    const bool texture = framebuffer != 0 && type == GL_TEXTURE;
+    return type != GL_NONE &&
+           !(texture && depth_attachment(framebuffer, GL_FRAMEBUFFER_ATTACHMENT_LAYERED) != 0);
 }
 
-// The internal format of the bound framebuffer's multisampled depth attachment; 0 if unknown.
-GLint multisampled_depth_format()
+// A format with the bits of the bound framebuffer's depth; 0 if there is none.
+GLenum depth_format(GLuint framebuffer)
 {
-    const GLint type = depth_attachment(GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE);
-    const auto name = static_cast<GLuint>(depth_attachment(GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME));
-    GLint format = 0;
-    if (type == GL_RENDERBUFFER) {
-        glBindRenderbuffer(GL_RENDERBUFFER, name);
-        glGetRenderbufferParameteriv(GL_RENDERBUFFER, GL_RENDERBUFFER_INTERNAL_FORMAT, &format);
-        glBindRenderbuffer(GL_RENDERBUFFER, 0);
-    } else if (type == GL_TEXTURE && depth_attachment(GL_FRAMEBUFFER_ATTACHMENT_LAYERED) == 0) {
-        glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, name);
-        glGetTexLevelParameteriv(GL_TEXTURE_2D_MULTISAMPLE, 0, GL_TEXTURE_INTERNAL_FORMAT, &format);
+    const GLint bits = depth_attachment(framebuffer, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE);
+    const bool stencil = depth_attachment(framebuffer, GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE) > 0;
+    const bool real =
+        depth_attachment(framebuffer, GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_FLOAT;
+    if (real && bits == 32) {
+        return stencil ? GL_DEPTH32F_STENCIL8 : GL_DEPTH_COMPONENT32F;
     }
-    return format;
+    switch (bits) {
+    case 16:
+        return stencil ? 0 : GL_DEPTH_COMPONENT16;
+    case 24:
+        return stencil ? GL_DEPTH24_STENCIL8 : GL_DEPTH_COMPONENT24;
+    case 32:
+        return stencil ? 0 : GL_DEPTH_COMPONENT32;
+    default:
+        return 0;
+    }
 }
 
-GLenum depth_attachment_point(GLint format)
+GLenum attachment_point(GLenum format)
 {
     const bool with_stencil = format == GL_DEPTH24_STENCIL8 || format == GL_DEPTH32F_STENCIL8;
     return with_stencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT;
@@ -115,117 +118,240 @@ GLenum depth_attachment_point(GLint format)
 
 } // namespace
 
+// One reduction of some texels to fewer.
+struct GlDepthReader::Pass {
+    GLenum target = GL_TEXTURE_2D;
+    GLuint source = 0;
+    glm::ivec2 origin{0};
+    glm::ivec2 extent{0};
+    int side = 1;
+    int sample_count = 1;
+    bool from_above = false;
+};
+
 Result<std::unique_ptr<GlDepthReader>> GlDepthReader::create()
 {
-    Result<GlProgram> program =
-        make_program("occlude depth reader", kVertexShader, kFragmentShader);
-    if (!program) {
-        return program.error();
+    const auto make = [](const char* name, const std::string& version) {
+        return make_program(name, version + kVertexShader, version + kFragmentShader);
+    };
+    Result<GlProgram> pixels = make("occlude depth of pixels", kVersion);
+    if (!pixels) {
+        return pixels.error();
     }
-    return std::unique_ptr<GlDepthReader>(new GlDepthReader(std::move(*program)));
+    Result<GlProgram> samples =
+        make("occlude depth of samples", std::string(kVersion) + "#define SAMPLES\n");
+    if (!samples) {
+        return samples.error();
+    }
+    return std::unique_ptr<GlDepthReader>(
+        new GlDepthReader(std::move(*pixels), std::move(*samples)));
 }
 
-GlDepthReader::GlDepthReader(GlProgram program)
-    : program_(std::move(program))
-    , vertex_array_(GlVertexArray::make())
-    , mode_location_(glGetUniformLocation(program_.name(), "mode"))
-    , sample_count_location_(glGetUniformLocation(program_.name(), "sample_count"))
+GlDepthReader::Reduction::Reduction(GlProgram made)
+    : program(std::move(made))
+    , origin(glGetUniformLocation(program.name(), "origin"))
+    , extent(glGetUniformLocation(program.name(), "extent"))
+    , side(glGetUniformLocation(program.name(), "side"))
+    , mode(glGetUniformLocation(program.name(), "mode"))
+    , sample_count(glGetUniformLocation(program.name(), "sample_count"))
+    , from_above(glGetUniformLocation(program.name(), "from_above"))
 {
+}
+
+GlDepthReader::GlDepthReader(GlProgram pixels, GlProgram samples)
+    : pixels_(std::move(pixels))
+    , samples_(std::move(samples))
+    , vertex_array_(GlVertexArray::make())
+    , sampler_(GlSampler::make())
+{
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+        glSamplerParameteri(sampler_.name(), filter, GL_NEAREST);
+    }
 }
 
 bool GlDepthReader::read(const PixelRect& rect, DepthSample sample, std::span<float> out)
 {
-    const SavedTargets saved;
-    if (rect.width <= 0 || rect.height <= 0 || !has_depth(saved.draw())) {
+    const GlSavedState saved;
+    if (rect.width <= 0 || rect.height <= 0 || !has_readable_depth(saved.draw_framebuffer())) {
         return false;
     }
-    reset_pixel_pack();
     GLint samples = 0;
     glGetIntegerv(GL_SAMPLES, &samples);
-    if (samples > 1) {
-        return read_samples(rect, sample, samples, saved.draw(), out);
+    if (samples <= 1) {
+        return read_floats(saved.draw_framebuffer(), rect, GL_DEPTH_COMPONENT, out);
     }
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, saved.draw());
-    glReadPixels(rect.x, rect.y, rect.width, rect.height, GL_DEPTH_COMPONENT, GL_FLOAT, out.data());
-    return true;
+    const glm::ivec2 size{rect.width, rect.height};
+    if (!reduced_[0].prepare(size) || !copy(rect, samples, sample, saved.draw_framebuffer())) {
+        return false;
+    }
+    reduce(samples_,
+           {GL_TEXTURE_2D_MULTISAMPLE, copy_.name(), {rect.x, rect.y}, size, 1, samples, false},
+           sample, reduced_[0]);
+    return read_floats(reduced_[0].framebuffer.name(), {0, 0, rect.width, rect.height}, GL_RED,
+                       out);
 }
 
-// Copies the attachment into a texture, reduces each pixel's samples to one float, and reads those.
-bool GlDepthReader::read_samples(const PixelRect& rect, DepthSample sample, int sample_count,
-                                 GLuint source, std::span<float> out)
+bool GlDepthReader::read_tiles(const PixelRect& rect, int tile_px, bool from_above,
+                               DepthSample sample, std::span<float> out)
 {
-    glActiveTexture(GL_TEXTURE0);
-    const GLint format = source == 0 ? 0 : multisampled_depth_format();
+    const GlSavedState saved;
+    if (rect.width <= 0 || rect.height <= 0 || !has_readable_depth(saved.draw_framebuffer())) {
+        return false;
+    }
+    GLint samples = 0;
+    glGetIntegerv(GL_SAMPLES, &samples);
+    const bool multisampled = samples > 1;
+    const int step = std::min(tile_px, kLargestStep);
+    const glm::ivec2 size{rect.width, rect.height};
+    const glm::ivec2 blocks = tiles_in(size, step);
+    if (!reduced_[0].prepare(blocks) ||
+        !copy(rect, multisampled ? samples : 0, sample, saved.draw_framebuffer())) {
+        return false;
+    }
+    reduce(multisampled ? samples_ : pixels_,
+           {multisampled ? GLenum{GL_TEXTURE_2D_MULTISAMPLE} : GLenum{GL_TEXTURE_2D},
+            copy_.name(),
+            {rect.x, rect.y},
+            size,
+            step,
+            samples,
+            from_above},
+           sample, reduced_[0]);
+    FloatTarget* last = &reduced_[0];
+    if (tile_px > step) {
+        if (!reduced_[1].prepare(tiles_in(size, tile_px))) {
+            return false;
+        }
+        last = &reduced_[1];
+        reduce(
+            pixels_,
+            {GL_TEXTURE_2D, reduced_[0].texture.name(), {0, 0}, blocks, tile_px / step, 1, false},
+            sample, *last);
+    }
+    const glm::ivec2 tiles = tiles_in(size, tile_px);
+    return read_floats(last->framebuffer.name(), {0, 0, tiles.x, tiles.y}, GL_RED, out);
+}
+
+// Copies `rect` of the framebuffer's depth to the same place in copy_, whose state is the caller's
+// to put back.
+bool GlDepthReader::copy(const PixelRect& rect, int sample_count, DepthSample sample, GLuint source)
+{
+    const GLenum format = depth_format(source);
     if (format == 0 || !prepare_copy(format, sample_count, rect)) {
         return false;
     }
     const int right = rect.x + rect.width;
     const int top = rect.y + rect.height;
     glDisable(GL_SCISSOR_TEST);
+    glDepthMask(GL_TRUE);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, source);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, copy_.name());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, copy_framebuffer_.name());
+    const GLfloat far_value = sample == DepthSample::smallest ? 0.0f : 1.0f;
+    glClearBufferfv(GL_DEPTH, 0, &far_value);
     glBlitFramebuffer(rect.x, rect.y, right, top, rect.x, rect.y, right, top, GL_DEPTH_BUFFER_BIT,
                       GL_NEAREST);
-    reduce(rect, sample, sample_count);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, reduction_.name());
-    glReadPixels(rect.x, rect.y, rect.width, rect.height, GL_RED, GL_FLOAT, out.data());
     return true;
 }
 
-// Makes the copy and the reduction at least as large as needed, in the attachment's own format:
-// depth can only be copied between equal ones.
-bool GlDepthReader::prepare_copy(GLint format, int sample_count, const PixelRect& rect)
+// Makes the copy at least as large as needed, in the attachment's own format: depth can only be
+// copied between equal ones.
+bool GlDepthReader::prepare_copy(GLenum format, int sample_count, const PixelRect& rect)
 {
     const glm::ivec2 needed{rect.x + rect.width, rect.y + rect.height};
-    if (format == copy_format_ && sample_count == copy_samples_ && needed.x <= size_.x &&
-        needed.y <= size_.y) {
+    if (format == copy_format_ && sample_count == copy_samples_ && needed.x <= copy_size_.x &&
+        needed.y <= copy_size_.y) {
         return true;
     }
-    size_ = glm::max(size_, needed);
-    copy_format_ = format;
-    copy_samples_ = sample_count;
-
-    samples_ = GlTexture::make();
-    glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, samples_.name());
-    glTexImage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, sample_count, static_cast<GLenum>(format),
-                            size_.x, size_.y, GL_TRUE);
-    copy_ = GlFramebuffer::make();
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, copy_.name());
-    glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, depth_attachment_point(format),
-                           GL_TEXTURE_2D_MULTISAMPLE, samples_.name(), 0);
-    glDrawBuffer(GL_NONE);
-    bool complete = glCheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-
-    reduced_ = GlRenderbuffer::make();
-    glBindRenderbuffer(GL_RENDERBUFFER, reduced_.name());
-    glRenderbufferStorage(GL_RENDERBUFFER, GL_R32F, size_.x, size_.y);
-    glBindRenderbuffer(GL_RENDERBUFFER, 0);
-    reduction_ = GlFramebuffer::make();
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, reduction_.name());
-    glFramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
-                              reduced_.name());
-    complete = complete && glCheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-    if (!complete) {
-        copy_format_ = 0;
+    const bool multisampled = sample_count > 1;
+    const GLenum target = multisampled ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D;
+    const glm::ivec2 size = glm::max(copy_size_, needed);
+    const bool stencil = attachment_point(format) == GL_DEPTH_STENCIL_ATTACHMENT;
+    const bool real = format == GL_DEPTH32F_STENCIL8;
+    copy_ = GlTexture::make();
+    glBindTexture(target, copy_.name());
+    if (multisampled) {
+        glTexImage2DMultisample(target, sample_count, format, size.x, size.y, GL_TRUE);
+    } else {
+        glTexImage2D(target, 0, static_cast<GLint>(format), size.x, size.y, 0,
+                     stencil ? GL_DEPTH_STENCIL : GL_DEPTH_COMPONENT,
+                     real      ? GL_FLOAT_32_UNSIGNED_INT_24_8_REV
+                     : stencil ? GL_UNSIGNED_INT_24_8
+                               : GL_FLOAT,
+                     nullptr);
+        glTexParameteri(target, GL_TEXTURE_MAX_LEVEL, 0);
     }
+    copy_framebuffer_ = GlFramebuffer::make();
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, copy_framebuffer_.name());
+    glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, attachment_point(format), target, copy_.name(), 0);
+    glDrawBuffer(GL_NONE);
+    const bool complete = glCheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+    copy_format_ = complete ? format : 0;
+    copy_samples_ = sample_count;
+    copy_size_ = size;
     return complete;
 }
 
-void GlDepthReader::reduce(const PixelRect& rect, DepthSample sample, int sample_count)
+bool GlDepthReader::FloatTarget::prepare(glm::ivec2 needed)
 {
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, reduction_.name());
-    glViewport(rect.x, rect.y, rect.width, rect.height);
+    if (needed.x <= size.x && needed.y <= size.y) {
+        return true;
+    }
+    const glm::ivec2 larger = glm::max(size, needed);
+    texture = GlTexture::make();
+    glBindTexture(GL_TEXTURE_2D, texture.name());
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_R32F, larger.x, larger.y, 0, GL_RED, GL_FLOAT, nullptr);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    GLint draw_framebuffer = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_framebuffer);
+    framebuffer = GlFramebuffer::make();
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer.name());
+    glFramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture.name(),
+                           0);
+    const bool complete = glCheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(draw_framebuffer));
+    size = complete ? larger : glm::ivec2{0};
+    return complete;
+}
+
+void GlDepthReader::reduce(const Reduction& reduction, const Pass& pass, DepthSample sample,
+                           FloatTarget& into)
+{
+    const glm::ivec2 size = tiles_in(pass.extent, pass.side);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, into.framebuffer.name());
+    glViewport(0, 0, size.x, size.y);
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_STENCIL_TEST);
-    glDisable(GL_BLEND);
+    glDisablei(GL_BLEND, 0);
     glDisable(GL_CULL_FACE);
-    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, samples_.name());
-    glUseProgram(program_.name());
-    glUniform1i(mode_location_, static_cast<GLint>(sample));
-    glUniform1i(sample_count_location_, sample_count);
+    glColorMaski(0, GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glBindTexture(pass.target, pass.source);
+    glBindSampler(0, sampler_.name());
+    glUseProgram(reduction.program.name());
+    glUniform1i(reduction.mode, static_cast<GLint>(sample));
+    glUniform1i(reduction.sample_count, pass.sample_count);
+    glUniform1i(reduction.side, pass.side);
+    glUniform2i(reduction.origin, pass.origin.x, pass.origin.y);
+    glUniform2i(reduction.extent, pass.extent.x, pass.extent.y);
+    glUniform1i(reduction.from_above, pass.from_above ? 1 : 0);
     glBindVertexArray(vertex_array_.name());
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-} // namespace occlude::gl
+// Reads, and sees by a mark on the first and the last value whether the driver did.
+bool GlDepthReader::read_floats(GLuint framebuffer, const PixelRect& rect, GLenum format,
+                                std::span<float> out) const
+{
+    const float first = out.front();
+    const float last = out.back();
+    out.front() = out.back() = std::numeric_limits<float>::quiet_NaN();
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
+    glReadPixels(rect.x, rect.y, rect.width, rect.height, format, GL_FLOAT, out.data());
+    if (!std::isnan(out.front()) && !std::isnan(out.back())) {
+        return true;
+    }
+    out.front() = first;
+    out.back() = last;
+    return false;
+}
+
+} // namespace occlude

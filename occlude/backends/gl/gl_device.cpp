@@ -2,7 +2,10 @@
 
 #include <occlude/backends/gl/detail/gl_box_tests.h>
 #include <occlude/backends/gl/detail/gl_depth_reader.h>
+#include <occlude/backends/gl/detail/gl_faults.h>
 #include <occlude/backends/gl/detail/gl_query_pool.h>
+#include <occlude/backends/gl/detail/gl_state_check.h>
+#include <occlude/backends/gl/detail/gl_target_state.h>
 #include <occlude/core/assert.h>
 #include <occlude/screen/pyramid_tests.h>
 
@@ -12,7 +15,7 @@
 #include <array>
 #include <string>
 
-namespace occlude::gl {
+namespace occlude {
 
 namespace {
 
@@ -23,19 +26,48 @@ constexpr TestCost kQueriesCost{TestMethod::queries, 60.0f, 18.0f, 4.0f};
 constexpr TestCost kRasterCost{TestMethod::raster, 150.0f, 1.0f, 4.0f, false};
 constexpr TestCost kPyramidCost{TestMethod::pyramid, 1000.0f, 0.1f, 0.1f, false};
 
+bool checks_state(GlStateChecks checks)
+{
+    return checks == GlStateChecks::first_tests ||
+           (checks == GlStateChecks::debug_builds && OCCLUDE_ASSERTS != 0);
+}
+
+// Some implementations have query objects that count nothing.
+bool can_count_samples()
+{
+    GLint bits = 0;
+    glGetQueryiv(GL_SAMPLES_PASSED, GL_QUERY_COUNTER_BITS, &bits);
+    return bits > 0;
+}
+
 } // namespace
+
+// The first row becomes the last.
+static void reverse_rows(std::span<float> depths, size_t width)
+{
+    for (size_t low = 0, high = depths.size() - width; low < high; low += width, high -= width) {
+        std::swap_ranges(depths.begin() + static_cast<ptrdiff_t>(low),
+                         depths.begin() + static_cast<ptrdiff_t>(low + width),
+                         depths.begin() + static_cast<ptrdiff_t>(high));
+    }
+}
 
 struct GlDevice::Parts {
     std::unique_ptr<GlBoxTests> tests;
     std::unique_ptr<GlDepthReader> depth;
     GlQueryPool pool;
-    PyramidTests pyramid;
-    std::vector<Answer> answers; ///< of one batch
+    GlFaults faults;
+    GlDeviceOptions options;
+    int gl_version = 0;
+    GlTargetState target = {};
+    PyramidTests pyramid = {};
+    std::vector<Answer> answers = {}; ///< of one batch
 };
 
 Result<std::unique_ptr<GlDevice>> GlDevice::create(GlScene& scene, const GlDeviceOptions& options)
 {
-    if (glGetString(GL_VERSION) == nullptr) {
+    const GlContextWatch watch;
+    if ((watch.known() && watch.current() == nullptr) || glGetString(GL_VERSION) == nullptr) {
         return Error{ErrorCode::unsupported,
                      "no OpenGL context is current in this thread; make one current before "
                      "creating a GlDevice"};
@@ -57,16 +89,26 @@ Result<std::unique_ptr<GlDevice>> GlDevice::create(GlScene& scene, const GlDevic
         return depth.error();
     }
     auto parts = std::make_unique<Parts>(
-        Parts{std::move(*tests), std::move(*depth), GlQueryPool{options.max_outstanding}, {}, {}});
+        Parts{.tests = std::move(*tests),
+              .depth = std::move(*depth),
+              .pool = GlQueryPool{options.max_outstanding, options.wait_budget_ms},
+              .faults = GlFaults{options.on_message, version},
+              .options = options,
+              .gl_version = version});
     std::unique_ptr<GlDevice> device(new GlDevice(scene, std::move(parts)));
-    device->caps_.name = "gl";
-    device->caps_.draw_and_query = true;
-    device->caps_.read_depth = true;
-    device->caps_.max_outstanding = options.max_outstanding;
-    device->caps_.methods = {kQueriesCost, kPyramidCost};
-    if (device->parts_->tests->can_raster()) {
-        device->caps_.methods.push_back(kRasterCost);
+    DeviceCaps& caps = device->caps_;
+    caps.name = "gl";
+    caps.draw_and_query = can_count_samples();
+    caps.read_depth = true;
+    caps.max_outstanding = options.max_outstanding;
+    if (caps.draw_and_query) {
+        caps.methods.push_back(kQueriesCost);
     }
+    caps.methods.push_back(kPyramidCost);
+    if (device->parts_->tests->can_raster()) {
+        caps.methods.push_back(kRasterCost);
+    }
+    caps.exact_counts = caps.methods.front().exact_counts;
     return device;
 }
 
@@ -76,7 +118,13 @@ GlDevice::GlDevice(GlScene& scene, std::unique_ptr<Parts> parts)
 {
 }
 
-GlDevice::~GlDevice() = default;
+GlDevice::~GlDevice()
+{
+    if (parts_->faults.look_at_context() == GlFaults::Context::other) {
+        const GlNamesAreForeign foreign;
+        parts_.reset();
+    }
+}
 
 const DeviceCaps& GlDevice::caps() const
 {
@@ -101,14 +149,51 @@ Result<bool> GlDevice::use_method(TestMethod method)
 void GlDevice::begin_frame(const View& view)
 {
     view_ = view;
-    parts_->pyramid.forget();
-    parts_->pool.begin_frame();
-    parts_->tests->set_view(view);
     mode_ = Mode::drawing;
+    checked_ = false;
+    parts_->pyramid.forget();
     scene_.begin_frame(view);
-    GLint samples = 0;
-    glGetIntegerv(GL_SAMPLES, &samples);
-    caps_.samples_at_pixel_centers = samples <= 1;
+    find_faults(view);
+    if (frame_ == Frame::foreign) {
+        return;
+    }
+    parts_->pool.begin_frame();
+    parts_->tests->set_view(view, parts_->target);
+    caps_.samples_at_pixel_centers = parts_->target.samples <= 1;
+}
+
+// After the engine has bound its target, and maybe made its context current.
+void GlDevice::find_faults(const View& view)
+{
+    const GlFaults::Context context = parts_->faults.look_at_context();
+    if (context != GlFaults::Context::own) {
+        frame_ = Frame::foreign;
+        parts_->pool.give_up();
+        return;
+    }
+    parts_->pool.resume();
+    parts_->target = GlTargetState::read(parts_->gl_version);
+    frame_ = parts_->faults.can_test(view, parts_->target) ? Frame::good : Frame::untestable;
+}
+
+// Makes the state that of a method, once for all batches between two draws. False if the engine has
+// a query open, so that none can be begun.
+bool GlDevice::enter_tests(Mode mode, TestMethod method)
+{
+    if (mode_ == mode) {
+        return !query_is_open_;
+    }
+    if (mode_ == Mode::drawing) {
+        scene_.prepare_tests();
+    }
+    if (!checked_ && checks_state(parts_->options.state_checks)) {
+        check_gl_state(view_, parts_->target, parts_->gl_version, parts_->faults.messages());
+        checked_ = true;
+    }
+    parts_->tests->enter(method);
+    mode_ = mode;
+    query_is_open_ = mode == Mode::queries && parts_->faults.query_is_open();
+    return !query_is_open_;
 }
 
 // Gives the state back to the engine.
@@ -135,20 +220,25 @@ TestMethod GlDevice::method_of(const QueryBatch& batch) const
 void GlDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
     OCCLUDE_ASSERT(tickets.size() == batch.test_ends.size(), "query(): one ticket per test");
+    if (frame_ != Frame::good) {
+        std::ranges::fill(tickets, Ticket{});
+        return;
+    }
     const TestMethod method = method_of(batch);
     if (method == TestMethod::pyramid) {
         test_with_pyramid(batch, tickets);
         return;
     }
     const Mode mode = method == TestMethod::raster ? Mode::raster : Mode::queries;
-    if (mode_ != mode) {
-        parts_->tests->enter(method);
-        mode_ = mode;
+    if (!enter_tests(mode, method)) {
+        std::ranges::fill(tickets, Ticket{});
+        return;
     }
-    if (method == TestMethod::raster) {
-        parts_->tests->raster(batch, parts_->pool, tickets);
-    } else {
-        parts_->tests->queries(batch, parts_->pool, tickets);
+    const bool asked = method == TestMethod::raster
+                           ? parts_->tests->raster(batch, parts_->pool, tickets)
+                           : parts_->tests->queries(batch, parts_->pool, tickets);
+    if (!asked) {
+        parts_->faults.report_no_memory();
     }
 }
 
@@ -177,7 +267,9 @@ Ticket GlDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
     }
     leave_tests();
     parts_->pyramid.forget();
-    const Ticket ticket = parts_->pool.begin();
+    const bool can_count =
+        frame_ == Frame::good && caps_.draw_and_query && !parts_->faults.query_is_open();
+    const Ticket ticket = can_count ? parts_->pool.begin() : Ticket{};
     scene_.draw(items, pass);
     if (ticket.valid()) {
         parts_->pool.end();
@@ -187,7 +279,9 @@ Ticket GlDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)
 
 void GlDevice::flush()
 {
-    glFlush();
+    if (frame_ != Frame::foreign) {
+        glFlush();
+    }
 }
 
 Answer GlDevice::poll(Ticket ticket)
@@ -197,7 +291,11 @@ Answer GlDevice::poll(Ticket ticket)
 
 Answer GlDevice::wait(Ticket ticket)
 {
-    return parts_->pool.wait(ticket);
+    const Answer answer = parts_->pool.wait(ticket);
+    if (answer.state == AnswerState::lost) {
+        report_pool();
+    }
+    return answer;
 }
 
 bool GlDevice::read_depth(const PixelRect& rect, std::span<float> out)
@@ -207,21 +305,35 @@ bool GlDevice::read_depth(const PixelRect& rect, std::span<float> out)
                    "read_depth(): the rectangle is not inside the target");
     OCCLUDE_ASSERT(out.size() == static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height),
                    "read_depth(): one float per pixel");
-    const bool reversed = view_.convention().order == DepthOrder::near_is_large;
-    mode_ = Mode::unknown;
-    if (!parts_->depth->read(rect, reversed ? DepthSample::smallest : DepthSample::largest, out)) {
+    if (frame_ != Frame::good) {
         return false;
     }
-    if (reversed) {
-        std::transform(out.begin(), out.end(), out.begin(), [](float d) { return 1.0f - d; });
+    const GlTargetState& target = parts_->target;
+    const DepthOrder order = view_.convention().order;
+    const DepthSample sample =
+        target.near_is_large(order) ? DepthSample::smallest : DepthSample::largest;
+    if (!parts_->depth->read(target.in_framebuffer(rect), sample, out)) {
+        parts_->faults.report_no_depth();
+        return false;
     }
+    if (target.y_down) {
+        reverse_rows(out, static_cast<size_t>(rect.width));
+    }
+    target.to_view_depth(order, out);
     return true;
+}
+
+void GlDevice::report_pool()
+{
+    parts_->faults.report_pool(parts_->pool.take_faults(), parts_->options.max_outstanding,
+                               parts_->options.wait_budget_ms);
 }
 
 void GlDevice::end_frame()
 {
     leave_tests();
     scene_.end_frame();
+    report_pool();
 }
 
 void GlDevice::warm_up()
@@ -238,4 +350,4 @@ void GlDevice::warm_up()
     read_depth({0, 0, 1, 1}, {&depth, 1});
 }
 
-} // namespace occlude::gl
+} // namespace occlude

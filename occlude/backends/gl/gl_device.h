@@ -1,36 +1,46 @@
 // QueryDevice on OpenGL 3.3 core and up, around the draw callback of an engine.
 //
-// The target is whatever GlScene::begin_frame binds to GL_DRAW_FRAMEBUFFER: tests run in it, so
-// they see the same samples as the image, multisampled or not, and read_depth reads it. The device
-// never binds another one, except inside read_depth, which puts it back.
+// The target is the framebuffer that GlScene::begin_frame binds to GL_DRAW_FRAMEBUFFER, and in it
+// the viewport, depth range and clip control that are set when begin_frame returns. Tests run
+// there, so that they see the same samples as the image, multisampled or not; read_depth reads it.
+// The viewport may lie anywhere, its origin may be the upper left, and its depth may be a part of
+// the depth buffer; its size must be the view's.
 //
-// State that tests change. All of it is free for the device from query() until the device calls
-// GlScene::restore_state(), just before the next draw() and before end_frame():
-//   program, vertex array, GL_ARRAY_BUFFER, colour mask and depth mask (off), depth test (on),
-//   depth function (LEQUAL, or GEQUAL where near is large), GL_DEPTH_CLAMP (on), GL_CULL_FACE (off)
-// with the method `raster` also: GL_SHADER_STORAGE_BUFFER and its binding point 7
-// and, after read_depth and with the method `pyramid` only:
-//   blending and stencil test (off), active texture unit (0), unit 0's GL_TEXTURE_2D_MULTISAMPLE,
-//   GL_PIXEL_PACK_BUFFER (0), pack alignment (4), pack row length and skips (0)
-//
-// State that tests expect, as it is while the engine's geometry is drawn: the framebuffer,
-// viewport, scissor, depth range, clip control and sample mask are those of the geometry; stencil
-// test, clip distances, rasterizer discard, polygon offset and alpha to coverage are off; polygon
-// mode is FILL.
+// docs/devices.md lists the state that tests change and the state that they need. read_depth puts
+// back everything that it changes.
 //
 // Counts: a box is drawn with the back of its faces, so that neither winding nor mirrored
 // transforms matter; a wholly visible box that covers n samples answers up to 2 n. draw_and_query
 // counts as the geometry is drawn. The methods raster and pyramid answer 0, or 1 for "some".
+//
+// Faults: where tests cannot answer for a frame (another context, a lost one, an incomplete target,
+// a viewport of another size, an open query of the engine), they are lost: visible. Each fault is
+// reported once through GlDeviceOptions::on_message:
+//   gl.no_context gl.other_context gl.context_lost gl.incomplete_target gl.viewport gl.depth_range
+//   gl.query_open gl.no_query gl.pool_full gl.wait_budget gl.out_of_memory gl.read_depth
+// and with state checks also what hides objects although tests seem to work (gl_state_check.cpp):
+//   gl.depth_function gl.clip_control gl.depth_clear gl.stencil_test gl.scissor gl.polygon_mode
+//   gl.polygon_offset gl.rasterizer_discard gl.alpha_to_coverage gl.sample_coverage
+//   gl.clip_distance gl.primitive_restart gl.transform_feedback gl.conditional_rendering
+//   gl.logic_op gl.error
 #pragma once
 
 #include <occlude/backends/gl/gl_scene.h>
+#include <occlude/core/messages.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/result.h>
 
 #include <cstdint>
 #include <memory>
 
-namespace occlude::gl {
+namespace occlude {
+
+/// When the state of OpenGL is compared with what tests need.
+enum class GlStateChecks : uint8_t {
+    debug_builds, ///< as first_tests in debug builds of the library, as off in release builds
+    off,
+    first_tests, ///< at the first test of each frame: some thirty questions to the driver
+};
 
 struct GlDeviceOptions {
     /// At most this many tickets may be unspent; one query object is made for each when needed.
@@ -44,10 +54,19 @@ struct GlDeviceOptions {
 
     /// Use nothing newer than this version of OpenGL, in the form 10 * major + minor.
     int max_gl_version = 99;
+
+    /// Who hears of faults; nobody by default.
+    MessageHandler on_message = {};
+    GlStateChecks state_checks = GlStateChecks::debug_builds;
+
+    /// How long the waits of one frame may take in all for answers that do not come; then these are
+    /// lost. 0: for ever.
+    double wait_budget_ms = 2000.0;
 };
 
 /// One OpenGL context's query device. Not thread-safe; the context that was current when it was
-/// created must be current in every call and in the destructor.
+/// created must be current in every call and in the destructor. In another one nothing is tested,
+/// and the destructor leaves the objects of the device to the end of their context.
 class GlDevice final : public QueryDevice {
 public:
     /// A device around `scene`, which outlives it. Fails without a current OpenGL context of at
@@ -72,7 +91,8 @@ public:
     Result<bool> use_method(TestMethod method);
 
     /// A batch that names a method which caps.methods does not list gets the default one. Empty
-    /// tests and tests of unbounded boxes, which break C5 and C6, are lost.
+    /// tests and tests of unbounded boxes, which break C5 and C6, are lost, and so is everything in
+    /// a frame with a fault.
     ///   queries  one occlusion query and one instanced draw per test
     ///   raster   one instanced draw per batch into a buffer of flags, from OpenGL 4.3 on
     ///   pyramid  reads depth once after each draw(), if a test comes, and answers on the CPU:
@@ -90,20 +110,32 @@ public:
     void end_frame() override;
 
 private:
+    // Whose state is set: the engine's, or that of a method of testing.
+    enum class Mode : uint8_t { drawing, queries, raster };
+    // What may be done in this frame.
+    enum class Frame : uint8_t {
+        good,
+        untestable, ///< tests are lost, and depth cannot be read
+        foreign,    ///< ... and nothing may be asked of OpenGL
+    };
+
     struct Parts;
     GlDevice(GlScene& scene, std::unique_ptr<Parts> parts);
+    bool enter_tests(Mode mode, TestMethod method);
     void leave_tests();
+    void find_faults(const View& view);
+    void report_pool();
     TestMethod method_of(const QueryBatch& batch) const;
     void test_with_pyramid(const QueryBatch& batch, std::span<Ticket> tickets);
-
-    // Whose state is set: the engine's, that of a method of testing, or neither's.
-    enum class Mode : uint8_t { drawing, queries, raster, unknown };
 
     GlScene& scene_;
     std::unique_ptr<Parts> parts_;
     DeviceCaps caps_;
     View view_;
     Mode mode_ = Mode::drawing;
+    Frame frame_ = Frame::good;
+    bool checked_ = false;       ///< the state, in this frame
+    bool query_is_open_ = false; ///< of the engine, when queries were entered
 };
 
-} // namespace occlude::gl
+} // namespace occlude

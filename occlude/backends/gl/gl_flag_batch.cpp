@@ -3,16 +3,23 @@
 #include <algorithm>
 #include <utility>
 
-namespace occlude::gl {
+namespace occlude {
 
-void GlFlagBatch::begin(size_t tests, GLuint binding)
+bool GlFlagBatch::begin(size_t tests, GLuint binding)
 {
     forget_fence();
     flags_.assign(tests, 0);
     glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffer_.name());
     glBufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(tests * sizeof(uint32_t)),
                  flags_.data(), GL_STREAM_READ);
+    GLint64 size = 0;
+    glGetBufferParameteri64v(GL_SHADER_STORAGE_BUFFER, GL_BUFFER_SIZE, &size);
+    if (size != static_cast<GLint64>(tests * sizeof(uint32_t))) {
+        std::ranges::fill(flags_, 1u);
+        return false;
+    }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer_.name());
+    return true;
 }
 
 void GlFlagBatch::end()
@@ -44,7 +51,9 @@ bool GlFlagBatch::seen(size_t test)
 
 void GlFlagBatch::forget_fence()
 {
-    if (fence_ != nullptr) {
+    if (fence_ != nullptr && GlNamesAreForeign::now()) {
+        fence_ = nullptr;
+    } else if (fence_ != nullptr) {
         glDeleteSync(std::exchange(fence_, nullptr));
     }
 }
@@ -61,4 +70,4 @@ std::shared_ptr<GlFlagBatch> GlFlagBatches::take()
     return batches_.back();
 }
 
-} // namespace occlude::gl
+} // namespace occlude

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-namespace occlude::gl {
+namespace occlude {
 
 namespace {
 
@@ -70,36 +70,48 @@ Result<GlProgram> make_program(std::string_view name, std::string_view vertex_so
 
 GlStreamBuffer::GlStreamBuffer(size_t unit, size_t capacity_units)
     : buffer_(GlBuffer::make())
-    , capacity_(unit * capacity_units)
 {
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity_), nullptr, GL_STREAM_DRAW);
+    renew(unit * capacity_units);
 }
 
-size_t GlStreamBuffer::write(std::span<const std::byte> bytes)
+// Fresh storage. Asks for its size instead of for an error, which may be the engine's.
+bool GlStreamBuffer::renew(size_t capacity)
+{
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity), nullptr, GL_STREAM_DRAW);
+    GLint64 size = 0;
+    glGetBufferParameteri64v(GL_ARRAY_BUFFER, GL_BUFFER_SIZE, &size);
+    const bool renewed = size == static_cast<GLint64>(capacity);
+    capacity_ = renewed ? capacity : 0;
+    used_ = 0;
+    return renewed;
+}
+
+std::optional<size_t> GlStreamBuffer::write(std::span<const std::byte> bytes)
 {
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
     if (bytes.empty()) {
         return used_;
     }
     if (used_ + bytes.size() > capacity_) {
-        while (capacity_ < bytes.size()) {
-            capacity_ *= 2;
+        size_t capacity = std::max(capacity_, bytes.size());
+        while (capacity_ > 0 && capacity < 2 * bytes.size()) {
+            capacity *= 2;
         }
-        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity_), nullptr, GL_STREAM_DRAW);
-        used_ = 0;
+        if (!renew(capacity)) {
+            return std::nullopt;
+        }
     }
     const size_t offset = used_;
     // Unsynchronised: this range was never read since the storage was renewed.
     void* target = glMapBufferRange(
         GL_ARRAY_BUFFER, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes.size()),
         GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_RANGE_BIT | GL_MAP_UNSYNCHRONIZED_BIT);
-    bool written = false;
-    if (target != nullptr) {
-        std::memcpy(target, bytes.data(), bytes.size());
-        written = glUnmapBuffer(GL_ARRAY_BUFFER) == GL_TRUE;
+    if (target == nullptr) {
+        return std::nullopt;
     }
-    if (!written) {
+    std::memcpy(target, bytes.data(), bytes.size());
+    if (glUnmapBuffer(GL_ARRAY_BUFFER) != GL_TRUE) { // the memory was lost while it was mapped
         glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(offset),
                         static_cast<GLsizeiptr>(bytes.size()), bytes.data());
     }
@@ -107,4 +119,4 @@ size_t GlStreamBuffer::write(std::span<const std::byte> bytes)
     return offset;
 }
 
-} // namespace occlude::gl
+} // namespace occlude

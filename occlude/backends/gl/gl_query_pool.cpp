@@ -1,10 +1,15 @@
 #include <occlude/backends/gl/detail/gl_query_pool.h>
 
+#include <chrono>
+#include <thread>
 #include <utility>
 
-namespace occlude::gl {
+namespace occlude {
 
 namespace {
+
+// A wait that takes longer gives its time to others.
+constexpr double kPatienceMs = 2.0;
 
 bool available(const GlQuery& query)
 {
@@ -18,6 +23,7 @@ bool available(const GlQuery& query)
 void GlQueryPool::begin_frame()
 {
     ++frame_;
+    waited_ms_ = 0.0;
     if (outstanding_ < capacity_) {
         return;
     }
@@ -29,8 +35,11 @@ void GlQueryPool::begin_frame()
     }
 }
 
-bool GlQueryPool::answer_is_there(const Slot& slot)
+bool GlQueryPool::answer_is_there(const Slot& slot) const
 {
+    if (given_up_) {
+        return true; // lost
+    }
     switch (slot.state) {
     case SlotState::issued:
         return available(slot.query);
@@ -70,6 +79,7 @@ GlQueryPool::Slot* GlQueryPool::take()
         slot = &slots_.emplace_back();
         slot->query = GlQuery::make();
     } else {
+        faults_.full = true;
         return nullptr;
     }
     next_ = (next_ + 1) % static_cast<uint32_t>(slots_.size());
@@ -86,6 +96,15 @@ Ticket GlQueryPool::begin()
         return Ticket{};
     }
     slot->state = SlotState::issued;
+    if (slot->query.name() == 0) {
+        slot->query = GlQuery::make(); // the driver may have memory again
+    }
+    if (slot->query.name() == 0) {
+        faults_.no_query = true;
+        slot->state = SlotState::free;
+        --outstanding_;
+        return Ticket{};
+    }
     glBeginQuery(GL_SAMPLES_PASSED, slot->query.name());
     return ticket_of(*slot);
 }
@@ -122,7 +141,10 @@ Ticket GlQueryPool::promise(std::shared_ptr<GlFlagBatch> flags, size_t test)
 Answer GlQueryPool::spend(Slot& slot)
 {
     uint64_t samples = slot.samples;
-    if (slot.state == SlotState::issued) {
+    if (given_up_) {
+        samples = Answer::kUnknownSamples;
+        slot.flags.reset();
+    } else if (slot.state == SlotState::issued) {
         samples = Answer::kUnknownSamples; // stays so if the driver fails
         glGetQueryObjectui64v(slot.query.name(), GL_QUERY_RESULT, &samples);
     } else if (slot.state == SlotState::promised) {
@@ -146,10 +168,50 @@ Answer GlQueryPool::poll(Ticket ticket)
     return spend(*slot);
 }
 
+// Waits for an answer as long as the frame's budget lasts. Looks again and again instead of asking
+// for the result, which would block for ever if the answer never comes.
+bool GlQueryPool::answer_comes(const Slot& slot)
+{
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point start = Clock::now();
+    for (uint64_t looks = 0; !answer_is_there(slot); ++looks) {
+        const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+        if (waited_ms_ + ms > wait_budget_ms_) {
+            waited_ms_ = wait_budget_ms_; // this frame waits no more
+            faults_.timed_out = true;
+            return false;
+        }
+        if (ms < kPatienceMs) {
+            std::this_thread::yield();
+        } else {
+            std::this_thread::sleep_for(std::chrono::microseconds{50});
+        }
+    }
+    return true;
+}
+
+// A query whose answer did not come is still the driver's: its slot gets another one.
+void GlQueryPool::abandon(Slot& slot)
+{
+    if (slot.state == SlotState::issued) {
+        slot.query = GlQuery::make();
+    }
+    slot.flags.reset();
+    slot.state = SlotState::free;
+    --outstanding_;
+}
+
 Answer GlQueryPool::wait(Ticket ticket)
 {
     Slot* slot = find(ticket);
-    return slot == nullptr ? Answer::lost() : spend(*slot);
+    if (slot == nullptr) {
+        return Answer::lost();
+    }
+    if (wait_budget_ms_ > 0.0 && !answer_comes(*slot)) {
+        abandon(*slot);
+        return Answer::lost();
+    }
+    return spend(*slot);
 }
 
-} // namespace occlude::gl
+} // namespace occlude

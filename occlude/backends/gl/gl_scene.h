@@ -7,7 +7,7 @@
 
 #include <span>
 
-namespace occlude::gl {
+namespace occlude {
 
 /// The engine's side of a GlDevice. All calls come from the thread that calls the device, with the
 /// same OpenGL context current.
@@ -24,11 +24,17 @@ public:
     /// compute bit-identical positions to `depth_only` (`invariant gl_Position`).
     virtual void draw(std::span<const ItemId> items, DrawPass pass) = 0;
 
-    /// Sets again what draw() relies on of the state that tests change; gl_device.h lists it.
-    /// Called once before the first draw() after tests, and before end_frame() after tests.
+    /// Called once before the first test after drawing, before the device changes anything. An
+    /// engine that draws with state that tests do not allow turns it off here (docs/devices.md
+    /// lists it: stencil, polygon offset, alpha to coverage, ...), and saves what restore_state()
+    /// is to set again.
+    virtual void prepare_tests() {}
+
+    /// Sets again what draw() relies on of the state that tests or prepare_tests() changed. Called
+    /// once before the first draw() after tests, and before end_frame() after tests.
     virtual void restore_state() = 0;
 
     virtual void end_frame() {}
 };
 
-} // namespace occlude::gl
+} // namespace occlude

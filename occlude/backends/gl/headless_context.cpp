@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace occlude::gl {
+namespace occlude {
 
 // EGL by hand instead of through libepoxy, which ends the process when a library or an entry point
 // is missing. Libraries are never unloaded: drivers do not survive that.
@@ -179,4 +179,4 @@ HeadlessContext::create(const HeadlessContextOptions& options)
     return made;
 }
 
-} // namespace occlude::gl
+} // namespace occlude

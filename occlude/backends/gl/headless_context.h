@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-namespace occlude::gl {
+namespace occlude {
 
 struct HeadlessContextOptions {
     std::string egl_library = "libEGL.so.1"; ///< loaded when it is needed, so that programs start
@@ -39,4 +39,4 @@ private:
     void* context_ = nullptr;
 };
 
-} // namespace occlude::gl
+} // namespace occlude

@@ -6,6 +6,7 @@
 #include <occlude/backends/gl/detail/gl_flag_batch.h>
 #include <occlude/backends/gl/detail/gl_object.h>
 #include <occlude/backends/gl/detail/gl_query_pool.h>
+#include <occlude/backends/gl/detail/gl_target_state.h>
 #include <occlude/core/query_device.h>
 
 #include <glm/vec3.hpp>
@@ -14,10 +15,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
-namespace occlude::gl {
+namespace occlude {
 
 /// Draws the boxes of tests as instances of a cube, both sides of all faces, writing nothing.
 class GlBoxTests {
@@ -33,8 +35,8 @@ public:
 
     bool can_raster() const { return raster_.program.name() != 0; }
 
-    /// The camera of the tests from now on.
-    void set_view(const View& view);
+    /// The camera of the tests from now on, and where its depth lies in the target.
+    void set_view(const View& view, const GlTargetState& target);
 
     /// Sets all state that queries() or raster() needs: the one state change of a batch.
     void enter(TestMethod method);
@@ -42,10 +44,11 @@ public:
     /// Issues one query per test, in order. A test that the pool has no room for, that has no box
     /// or that has an unbounded one gets an invalid ticket: lost. Precondition: enter() was called
     /// for this method after the last change of state by anybody else.
-    void queries(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets);
+    /// False, and all are lost, if the driver has no memory for the boxes.
+    bool queries(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets);
 
     /// The same with one draw. Answers count 1 sample or none. Precondition: can_raster().
-    void raster(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets);
+    bool raster(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets);
 
 private:
     // One box as the vertex shader reads it: its corners, and an affine matrix row by row to
@@ -73,7 +76,7 @@ private:
     GlBoxTests(Program queries, Program raster, bool base_instance, float depth_bias);
     float toward_viewer_sign() const;
     void add_row(const QueryBox& box, size_t test);
-    size_t write_rows();
+    std::optional<size_t> write_rows();
     void point_attributes_at(size_t offset);
     void draw(size_t first_offset, uint32_t first, uint32_t count);
 
@@ -85,8 +88,9 @@ private:
     GlStreamBuffer stream_;
     std::vector<BoxRow> rows_;
     View view_;
+    GlTargetState target_;
     float depth_bias_ = 0.0f;
     bool base_instance_ = false;
 };
 
-} // namespace occlude::gl
+} // namespace occlude

@@ -1,4 +1,11 @@
-// Reads the depth of the bound framebuffer, with or without multisampling.
+// Reads the depth of the bound framebuffer, with or without multisampling: single pixels, or the
+// farthest of each tile, reduced on the device by fragment shaders (OpenGL 3.3).
+//
+//   the attachment --blit--> a texture of the same format --shader--> float texture --> read
+//                                                          8x8 at most   again for larger tiles
+//
+// A blit that the driver refuses leaves the copy as it was cleared: all far, so that nothing is
+// found hidden.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_object.h>
@@ -6,45 +13,75 @@
 
 #include <glm/vec2.hpp>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
 
-namespace occlude::gl {
+namespace occlude {
 
-/// Which sample of a multisampled pixel is read.
+/// Which sample of a multisampled pixel is read, and which pixel of a tile.
 enum class DepthSample : uint8_t { smallest, largest, first };
 
 class GlDepthReader {
 public:
+    static constexpr int kLargestTile = 64; // pixels: two passes
+
     static Result<std::unique_ptr<GlDepthReader>> create();
 
-    /// Reads raw window depth of `rect` of the framebuffer bound to GL_DRAW_FRAMEBUFFER, row by row
-    /// from the bottom. Blocks. False, and `out` is untouched, if there is no depth attachment or
-    /// it is a multisampled one whose samples OpenGL does not let one see: that of a window, a
-    /// layered one. Changes the program, the vertex array, texture unit 0's multisample texture,
-    /// the active texture unit, the pixel pack buffer, row length, skips and alignment, colour
-    /// mask, depth test, blending, stencil test and culling; all other state is put back.
+    /// Reads raw values of `rect` of the framebuffer bound to GL_DRAW_FRAMEBUFFER, row by row from
+    /// its lower edge. Blocks. False, and `out` is untouched, if there is no depth attachment, it
+    /// is layered, or the driver could not read. Changes no state.
     bool read(const PixelRect& rect, DepthSample sample, std::span<float> out);
 
-private:
-    explicit GlDepthReader(GlProgram program);
-    bool read_samples(const PixelRect& rect, DepthSample sample, int sample_count, GLuint source,
-                      std::span<float> out);
-    bool prepare_copy(GLint format, int sample_count, const PixelRect& rect);
-    void reduce(const PixelRect& rect, DepthSample sample, int sample_count);
+    /// The same of tiles of tile_px x tile_px pixels, a power of two up to kLargestTile: the
+    /// smallest or the largest value of each (`sample` is not `first`). `from_above`: tiles and
+    /// their rows are counted from the upper edge of `rect`.
+    bool read_tiles(const PixelRect& rect, int tile_px, bool from_above, DepthSample sample,
+                    std::span<float> out);
 
-    GlProgram program_;
+private:
+    // A program that reduces, and where its uniforms are.
+    struct Reduction {
+        GlProgram program;
+        GLint origin = -1;
+        GLint extent = -1;
+        GLint side = -1;
+        GLint mode = -1;
+        GLint sample_count = -1;
+        GLint from_above = -1;
+
+        Reduction() = default;
+        explicit Reduction(GlProgram made);
+    };
+    // A texture of single floats to draw into.
+    struct FloatTarget {
+        GlTexture texture;
+        GlFramebuffer framebuffer;
+        glm::ivec2 size{0};
+
+        bool prepare(glm::ivec2 needed);
+    };
+    struct Pass;
+
+    GlDepthReader(GlProgram pixels, GlProgram samples);
+    bool copy(const PixelRect& rect, int sample_count, DepthSample sample, GLuint source);
+    bool prepare_copy(GLenum format, int sample_count, const PixelRect& rect);
+    void reduce(const Reduction& reduction, const Pass& pass, DepthSample sample,
+                FloatTarget& into);
+    bool read_floats(GLuint framebuffer, const PixelRect& rect, GLenum format,
+                     std::span<float> out) const;
+
+    Reduction pixels_;  ///< of a texture with one sample per pixel
+    Reduction samples_; ///< of a multisampled one
     GlVertexArray vertex_array_;
-    GlTexture samples_;       ///< multisampled copy of the depth attachment
-    GlFramebuffer copy_;      ///< ... and its framebuffer
-    GlRenderbuffer reduced_;  ///< one float per pixel
-    GlFramebuffer reduction_; ///< ... and its framebuffer
-    GLint mode_location_ = -1;
-    GLint sample_count_location_ = -1;
-    GLint copy_format_ = 0;
+    GlSampler sampler_; ///< without comparison or filter
+    GlTexture copy_;    ///< of the depth attachment
+    GlFramebuffer copy_framebuffer_;
+    GLenum copy_format_ = 0;
     int copy_samples_ = 0;
-    glm::ivec2 size_{0};
+    glm::ivec2 copy_size_{0};
+    std::array<FloatTarget, 2> reduced_;
 };
 
-} // namespace occlude::gl
+} // namespace occlude

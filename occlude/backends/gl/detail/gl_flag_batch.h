@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-namespace occlude::gl {
+namespace occlude {
 
 class GlFlagBatch {
 public:
@@ -22,8 +22,12 @@ public:
     GlFlagBatch& operator=(const GlFlagBatch&) = delete;
 
     /// Makes room for `tests` flags, all 0, and binds them to `binding` of
-    /// GL_SHADER_STORAGE_BUFFER. The flags of before are gone.
-    void begin(size_t tests, GLuint binding);
+    /// GL_SHADER_STORAGE_BUFFER. The flags of before are gone. False if the driver has no memory:
+    /// then every test counts as seen.
+    bool begin(size_t tests, GLuint binding);
+
+    /// Instead of the draw: every test counts as seen.
+    void give_up() { flags_.assign(flags_.size(), 1); }
 
     /// To be called after the draw that sets the flags.
     void end();
@@ -54,4 +58,4 @@ private:
     size_t next_ = 0;
 };
 
-} // namespace occlude::gl
+} // namespace occlude

@@ -1,17 +1,19 @@
-// Owners of OpenGL names, and the two things every part of the backend needs: programs and buffers
-// that are written anew many times a frame.
+// Owners of OpenGL names, and the two things every part of the backend needs: programs, and buffers
+// that are written many times a frame.
 #pragma once
 
+#include <occlude/backends/gl/detail/gl_context.h>
 #include <occlude/core/result.h>
 
 #include <epoxy/gl.h>
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
 
-namespace occlude::gl {
+namespace occlude {
 
 /// Owns one OpenGL name. The context that made it must be current when it is made and destroyed.
 template <class Kind>
@@ -33,7 +35,7 @@ public:
     }
     ~GlObject()
     {
-        if (name_ != 0) {
+        if (name_ != 0 && !GlNamesAreForeign::now()) {
             Kind::destroy(name_);
         }
     }
@@ -58,6 +60,10 @@ struct BufferKind {
 struct VertexArrayKind {
     static void generate(GLuint* name) { glGenVertexArrays(1, name); }
     static void destroy(GLuint name) { glDeleteVertexArrays(1, &name); }
+};
+struct SamplerKind {
+    static void generate(GLuint* name) { glGenSamplers(1, name); }
+    static void destroy(GLuint name) { glDeleteSamplers(1, &name); }
 };
 struct TextureKind {
     static void generate(GLuint* name) { glGenTextures(1, name); }
@@ -85,6 +91,7 @@ struct ShaderKind {
 
 using GlBuffer = GlObject<BufferKind>;
 using GlVertexArray = GlObject<VertexArrayKind>;
+using GlSampler = GlObject<SamplerKind>;
 using GlTexture = GlObject<TextureKind>;
 using GlFramebuffer = GlObject<FramebufferKind>;
 using GlRenderbuffer = GlObject<RenderbufferKind>;
@@ -104,16 +111,19 @@ public:
     /// `unit` is the size of what is written, in bytes: every offset is a multiple of it.
     GlStreamBuffer(size_t unit, size_t capacity_units);
 
-    /// Copies `bytes` (a whole number of units) into the buffer and returns their offset in bytes.
-    /// Binds the buffer to GL_ARRAY_BUFFER and leaves it bound.
-    size_t write(std::span<const std::byte> bytes);
+    /// Copies `bytes` (a whole number of units) into the buffer and returns their offset in bytes;
+    /// nothing if the driver has no memory. Binds the buffer to GL_ARRAY_BUFFER and leaves it
+    /// bound.
+    std::optional<size_t> write(std::span<const std::byte> bytes);
 
     GLuint name() const { return buffer_.name(); }
 
 private:
+    bool renew(size_t capacity);
+
     GlBuffer buffer_;
     size_t capacity_ = 0;
     size_t used_ = 0;
 };
 
-} // namespace occlude::gl
+} // namespace occlude

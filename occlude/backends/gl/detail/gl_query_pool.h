@@ -8,9 +8,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
-namespace occlude::gl {
+namespace occlude {
 
 /// Query objects of GL_SAMPLES_PASSED. One is never begun again before its result was read, or was
 /// there and nobody came for it (kAbandonedAfter). Slots are reused in ring order.
@@ -20,16 +21,33 @@ public:
     /// there: a culler that was reset may leave some behind.
     static constexpr uint64_t kAbandonedAfter = 64;
 
+    /// What went wrong since it was last asked.
+    struct Faults {
+        bool full = false;      ///< more than `capacity` tests would be unspent
+        bool no_query = false;  ///< the driver gave no query object
+        bool timed_out = false; ///< an answer did not come within the budget
+    };
+
     /// At most `capacity` tickets are unspent at any time; objects are made as they are needed.
-    explicit GlQueryPool(uint32_t capacity)
+    /// `wait_budget_ms`: how long the waits of one frame may take for answers that do not come.
+    GlQueryPool(uint32_t capacity, double wait_budget_ms)
         : capacity_(capacity)
+        , wait_budget_ms_(wait_budget_ms)
     {
     }
 
     /// Counts frames, and takes back abandoned tickets if the pool is full.
     void begin_frame();
 
-    /// Begins a query. An invalid ticket, and no query is begun, if the pool is full.
+    /// From now on nothing is asked of OpenGL, and everything is lost ...
+    void give_up() { given_up_ = true; }
+    /// ... and from now on it is asked again.
+    void resume() { given_up_ = false; }
+
+    Faults take_faults() { return std::exchange(faults_, {}); }
+
+    /// Begins a query. An invalid ticket, and no query is begun, if the pool is full or the driver
+    /// gives no query object.
     Ticket begin();
 
     /// Ends the query of the last begin().
@@ -44,7 +62,8 @@ public:
     /// The answer if it is there, without blocking; spends the ticket unless pending.
     Answer poll(Ticket ticket);
 
-    /// The answer; blocks until it is there. Spends the ticket.
+    /// The answer; blocks until it is there, or the budget of the frame is used up: then it is
+    /// lost. Spends the ticket.
     Answer wait(Ticket ticket);
 
     uint32_t outstanding() const { return outstanding_; }
@@ -62,9 +81,11 @@ private:
     };
 
     Slot* find(Ticket ticket);
-    static bool answer_is_there(const Slot& slot);
+    bool answer_comes(const Slot& slot);
+    bool answer_is_there(const Slot& slot) const;
     Slot* take();
     Ticket ticket_of(const Slot& slot) const;
+    void abandon(Slot& slot);
     Answer spend(Slot& slot);
 
     std::vector<Slot> slots_;
@@ -72,6 +93,10 @@ private:
     uint32_t outstanding_ = 0;
     uint32_t next_ = 0; ///< where the ring continues
     uint64_t frame_ = 0;
+    double wait_budget_ms_ = 0.0;
+    double waited_ms_ = 0.0; ///< in this frame, for answers that did not come
+    bool given_up_ = false;
+    Faults faults_;
 };
 
-} // namespace occlude::gl
+} // namespace occlude

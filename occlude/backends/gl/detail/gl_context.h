@@ -1,0 +1,37 @@
+// Which OpenGL context is current, whoever made it.
+#pragma once
+
+namespace occlude {
+
+/// Asks EGL and GLX, as far as the process has loaded them. On platforms with neither, contexts
+/// cannot be told apart, and known() is false.
+class GlContextWatch {
+public:
+    /// Looks for the libraries that are loaded by now.
+    GlContextWatch();
+
+    bool known() const { return egl_ != nullptr || glx_ != nullptr; }
+
+    /// A value that differs between contexts; null if none is current in this thread, or nothing is
+    /// known. A few nanoseconds.
+    void* current() const;
+
+private:
+    using GetCurrent = void* (*)();
+    GetCurrent egl_ = nullptr;
+    GetCurrent glx_ = nullptr;
+};
+
+/// While it lives, owners of OpenGL names in this thread forget them instead of deleting them: in
+/// another context the names belong to others.
+class GlNamesAreForeign {
+public:
+    GlNamesAreForeign();
+    ~GlNamesAreForeign();
+    GlNamesAreForeign(const GlNamesAreForeign&) = delete;
+    GlNamesAreForeign& operator=(const GlNamesAreForeign&) = delete;
+
+    static bool now();
+};
+
+} // namespace occlude
