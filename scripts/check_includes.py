@@ -4,6 +4,7 @@
     core <- screen <- hierarchy <- hierarchy/builders <- scene
                       hierarchy <- cull/parts <- cull/adaptive <- cull
     core <- screen <- effects <- device; core <- screen <- backends/*    (none sees an algorithm)
+    cull <- integration (helpers of whoever integrates the library)
     cull <- c                                         (the C interface)
     files <- model <- load, walk <- generate ; model <- render <- measure <- report <- suites <- commands
 
@@ -27,6 +28,10 @@ ALLOWED = {
     "cull/adaptive": {"core", "screen", "hierarchy", "cull/parts", "cull/adaptive"},
     "cull": {
         "core", "screen", "hierarchy", "hierarchy/builders", "cull/parts", "cull/adaptive", "cull",
+    },
+    "integration": {
+        "core", "screen", "hierarchy", "hierarchy/builders", "cull/parts", "cull/adaptive", "cull",
+        "integration",
     },
     "effects": {"core", "screen", "hierarchy", "effects"},
     "device": {"core", "screen", "effects", "device"},
