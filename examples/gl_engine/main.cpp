@@ -81,7 +81,7 @@ glm::mat4 light()
 Result<std::unique_ptr<GlDevice>> make_device(GlScene& scene)
 {
     return GlDevice::create(scene,
-                            {.on_message = hear, .state_checks = GlStateChecks::first_tests});
+                            {.on_message = hear, .state_checks = GlStateChecks::after_draws});
 }
 
 class Engine {

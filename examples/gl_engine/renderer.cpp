@@ -197,6 +197,7 @@ void CameraPass::begin_frame(const occlude::View&)
     const bool smaller = bug_ == Bug::dynamic_resolution && frame >= 2;
     glViewport(0, 0, smaller ? 2 * size.x / 3 : size.x, smaller ? 2 * size.y / 3 : size.y);
     glDisable(GL_SCISSOR_TEST);
+    glDisable(GL_POLYGON_OFFSET_FILL); // the shadow pass has left it on
     glBindTextureUnit(0, renderer_.shadow_map_);
     restore_state();
     glClearColor(0.55f, 0.68f, 0.82f, 1.0f);

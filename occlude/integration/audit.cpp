@@ -43,32 +43,26 @@ bool holds(const ScreenBounds& bounds, const Pixel& pixel)
            pixel.depth <= bounds.far_depth + kDepthSlack;
 }
 
-// Another camera than the view's, which would explain what is seen.
+// Another camera than the view's, which may explain what is seen.
 struct Suspect {
     View view;
     const char* verdict;
-    size_t outside = 0; ///< items that leave their boxes in it
+    size_t fitting = 0; ///< items of which all that is seen lies in their boxes in it
 };
 
-std::array<Suspect, 3> suspects(const View& view)
+std::array<Suspect, 2> suspects(const View& view)
 {
     const ClipConvention now = view.convention();
     const ClipConvention range{now.range == DepthRange::zero_to_one ? DepthRange::minus_one_to_one
                                                                     : DepthRange::zero_to_one,
                                now.order};
-    const ClipConvention order{now.range, now.order == DepthOrder::near_is_large
-                                              ? DepthOrder::near_is_small
-                                              : DepthOrder::near_is_large};
     const glm::mat4& matrix = view.clip_from_world();
     return {{{View::from_clip(glm::transpose(matrix), view.size_px(), now),
               "the matrix of the view is transposed: give View::from_clip clip_from_world with its "
               "translation in the last column, as GLM has it"},
              {View::from_clip(matrix, view.size_px(), range),
               "the depth range of the view's ClipConvention is the other one: zero_to_one for "
-              "D3D, Vulkan and glClipControl, minus_one_to_one for plain OpenGL"},
-             {View::from_clip(matrix, view.size_px(), order),
-              "the depth order of the view's ClipConvention is the other one: near_is_large for "
-              "reversed Z"}}};
+              "D3D, Vulkan and glClipControl, minus_one_to_one for plain OpenGL"}}};
 }
 
 std::string text(glm::ivec2 pixel)
@@ -102,14 +96,16 @@ OutsideItem describe(ItemId item, const ScreenBounds& bounds, std::span<const Pi
     return outside;
 }
 
-std::string find_verdict(const BoundsAudit& audit, std::span<const Suspect> suspects)
+// `fitting`: items that fit their boxes in the view as it was given.
+std::string find_verdict(const BoundsAudit& audit, size_t fitting,
+                         std::span<const Suspect> suspects)
 {
     if (audit.outside.empty()) {
         return {};
     }
-    // One camera that explains all is more likely than as many wrong boxes.
-    const auto best = std::ranges::min_element(suspects, {}, &Suspect::outside);
-    if (best->outside == 0 && audit.outside.size() > 1) {
+    // One camera that explains most is more likely than as many wrong boxes.
+    const auto best = std::ranges::max_element(suspects, {}, &Suspect::fitting);
+    if (2 * best->fitting > audit.items_drawn && best->fitting > 2 * fitting) {
         return best->verdict;
     }
     if (2 * audit.outside.size() > audit.items_drawn && audit.items_drawn > 1) {
@@ -132,7 +128,8 @@ Result<BoundsAudit> audit_item_bounds(QueryDevice& device, const View& view,
                      "depth (caps().read_depth)"};
     }
     BoundsAudit audit;
-    std::array<Suspect, 3> others = suspects(view);
+    std::array<Suspect, 2> others = suspects(view);
+    size_t fitting = 0;
     std::vector<float> depths(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
     for (size_t i = 0; i < bounds.size(); ++i) {
         if (bounds[i].box.is_empty()) {
@@ -150,20 +147,24 @@ Result<BoundsAudit> audit_item_bounds(QueryDevice& device, const View& view,
         }
         const std::vector<Pixel> seen = seen_pixels(depths, size);
         audit.items_drawn += seen.empty() ? 0 : 1;
-        const auto leaves = [&](const ScreenBounds& box) {
-            return !std::ranges::all_of(seen, [&](const Pixel& p) { return holds(box, p); });
+        if (seen.empty()) {
+            continue;
+        }
+        const auto all_in = [&](const ScreenBounds& box) {
+            return std::ranges::all_of(seen, [&](const Pixel& p) { return holds(box, p); });
         };
         const ScreenBounds box = project(view, bounds[i].box);
-        if (leaves(box)) {
+        if (!all_in(box)) {
             audit.outside.push_back(describe(item, box, seen));
         }
+        // A box at the near plane may be anywhere, and says nothing of the camera.
+        fitting += box.valid && all_in(box) ? 1 : 0;
         for (Suspect& other : others) {
             const ScreenBounds there = project(other.view, bounds[i].box);
-            // A camera in which nothing can be said explains nothing.
-            other.outside += leaves(there) || (!there.valid && box.valid) ? 1 : 0;
+            other.fitting += there.valid && all_in(there) ? 1 : 0;
         }
     }
-    audit.verdict = find_verdict(audit, others);
+    audit.verdict = find_verdict(audit, fitting, others);
     return audit;
 }
 

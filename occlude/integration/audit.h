@@ -30,8 +30,8 @@ struct OutsideItem {
 struct BoundsAudit {
     std::vector<OutsideItem> outside; ///< by ascending id
     size_t items_drawn = 0;           ///< items of which a pixel was seen
-    /// What explains most of it; empty if nothing is wrong. Names the transposed matrix, width and
-    /// height swapped, or another depth convention, if the boxes fit then.
+    /// What explains most of it; empty if nothing is wrong. Names a transposed matrix or another
+    /// depth range if most boxes fit then.
     std::string verdict;
 };
 

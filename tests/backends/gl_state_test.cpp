@@ -222,14 +222,15 @@ constexpr Mistake kMistakes[] = {
     {"gl.error", [] { glEnable(GL_TEXTURE0); }, [] {}},
 };
 
-TEST_F(GlStateTest, TheFirstTestOfAFrameNamesEveryMistakeInTheState)
+TEST_F(GlStateTest, TheFirstTestAfterADrawNamesEveryMistakeInTheState)
 {
     for (const Mistake& mistake : kMistakes) {
         heard.clear();
-        make_listening_device({.state_checks = GlStateChecks::first_tests});
+        make_listening_device({.state_checks = GlStateChecks::after_draws});
         scene->after_draw = mistake.make;
         for (int frame = 0; frame < 2; ++frame) {
             device->begin_frame(kFlatView);
+            device->wait(ask(kMiddle)); // all is well as yet
             device->draw({}, DrawPass::shade);
             device->wait(ask(kMiddle));
             device->end_frame();
@@ -241,7 +242,7 @@ TEST_F(GlStateTest, TheFirstTestOfAFrameNamesEveryMistakeInTheState)
 
 TEST_F(GlStateTest, AGoodEngineHearsNothingInEitherConventionOfDepth)
 {
-    make_listening_device({.state_checks = GlStateChecks::first_tests});
+    make_listening_device({.state_checks = GlStateChecks::after_draws});
     for (const ClipConvention convention :
          {ClipConvention{}, ClipConvention{DepthRange::zero_to_one, DepthOrder::near_is_large}}) {
         device->begin_frame(View::from_clip(glm::mat4{1.0f}, kSize, convention));
@@ -254,7 +255,7 @@ TEST_F(GlStateTest, AGoodEngineHearsNothingInEitherConventionOfDepth)
 
 TEST_F(GlStateTest, AWrongDepthConventionIsNamed)
 {
-    make_listening_device({.state_checks = GlStateChecks::first_tests});
+    make_listening_device({.state_checks = GlStateChecks::after_draws});
     // The engine draws with reversed Z in [0, 1], and the view does not say so.
     scene->after_begin = [] {
         glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -270,7 +271,7 @@ TEST_F(GlStateTest, AWrongDepthConventionIsNamed)
 
 TEST_F(GlStateTest, ConditionalRenderingIsNamedAndEnded)
 {
-    make_listening_device({.state_checks = GlStateChecks::first_tests});
+    make_listening_device({.state_checks = GlStateChecks::after_draws});
     const GlQuery nothing_passed = GlQuery::make();
     glBeginQuery(GL_SAMPLES_PASSED, nothing_passed.name());
     glEndQuery(GL_SAMPLES_PASSED);

@@ -23,7 +23,7 @@ constexpr std::string_view kLastWords =
 alignas(16) std::array<char, 64 * 1024> g_stack; // there may be none left of the thread's own
 
 // Calls only what POSIX allows in a handler.
-extern "C" void say_last_words(int)
+void say_last_words(int)
 {
     constexpr int kFailed = 2;
     const ssize_t written = ::write(STDERR_FILENO, kLastWords.data(), kLastWords.size());

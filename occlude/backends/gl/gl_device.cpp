@@ -28,7 +28,7 @@ constexpr TestCost kPyramidCost{TestMethod::pyramid, 1000.0f, 0.1f, 0.1f, false}
 
 bool checks_state(GlStateChecks checks)
 {
-    return checks == GlStateChecks::first_tests ||
+    return checks == GlStateChecks::after_draws ||
            (checks == GlStateChecks::debug_builds && OCCLUDE_ASSERTS != 0);
 }
 
@@ -150,7 +150,6 @@ void GlDevice::begin_frame(const View& view)
 {
     view_ = view;
     mode_ = Mode::drawing;
-    checked_ = false;
     parts_->pyramid.forget();
     scene_.begin_frame(view);
     find_faults(view);
@@ -185,10 +184,9 @@ bool GlDevice::enter_tests(Mode mode, TestMethod method)
     }
     if (mode_ == Mode::drawing) {
         scene_.prepare_tests();
-    }
-    if (!checked_ && checks_state(parts_->options.state_checks)) {
-        check_gl_state(view_, parts_->target, parts_->gl_version, parts_->faults.messages());
-        checked_ = true;
+        if (checks_state(parts_->options.state_checks)) {
+            check_gl_state(view_, parts_->target, parts_->gl_version, parts_->faults.messages());
+        }
     }
     parts_->tests->enter(method);
     mode_ = mode;

@@ -37,9 +37,9 @@ namespace occlude {
 
 /// When the state of OpenGL is compared with what tests need.
 enum class GlStateChecks : uint8_t {
-    debug_builds, ///< as first_tests in debug builds of the library, as off in release builds
+    debug_builds, ///< as after_draws in debug builds of the library, as off in release builds
     off,
-    first_tests, ///< at the first test of each frame: some thirty questions to the driver
+    after_draws, ///< at the first test after draws: some thirty questions to the driver
 };
 
 struct GlDeviceOptions {
@@ -134,7 +134,6 @@ private:
     View view_;
     Mode mode_ = Mode::drawing;
     Frame frame_ = Frame::good;
-    bool checked_ = false;       ///< the state, in this frame
     bool query_is_open_ = false; ///< of the engine, when queries were entered
 };
 
