@@ -205,6 +205,10 @@ bool Engine::frame(int number)
                                       },
                                   .depth_checks = ValidatingDevice::DepthChecks::around_batches}};
         report = camera_culler_->cull(view, checked);
+        if (report.plan.reason == FramePlan::Reason::useless_clock &&
+            number + 1 == arguments_.frames) {
+            say("plan: " + to_string(report.plan));
+        }
         check(view, number);
     } else {
         report = camera_culler_->cull(view, writing);

@@ -113,11 +113,11 @@ public:
     OnGl(std::span<const ItemBounds> items, glm::ivec2 size, Drawing drawing)
         : items_(items)
     {
-        auto context = gl::HeadlessContext::create();
+        auto context = HeadlessContext::create();
         EXPECT_TRUE(context) << (context ? "" : context.error().message);
         context_ = std::move(*context);
-        scene_ = std::make_unique<gl::IdScene>(size, 1, items, drawing);
-        auto device = gl::GlDevice::create(*scene_);
+        scene_ = std::make_unique<IdScene>(size, 1, items, drawing);
+        auto device = GlDevice::create(*scene_);
         EXPECT_TRUE(device) << (device ? "" : device.error().message);
         device_ = std::move(*device);
     }
@@ -138,9 +138,9 @@ public:
 
 private:
     std::span<const ItemBounds> items_;
-    std::unique_ptr<gl::HeadlessContext> context_;
-    std::unique_ptr<gl::IdScene> scene_;
-    std::unique_ptr<gl::GlDevice> device_;
+    std::unique_ptr<HeadlessContext> context_;
+    std::unique_ptr<IdScene> scene_;
+    std::unique_ptr<GlDevice> device_;
 };
 
 template <class Device>

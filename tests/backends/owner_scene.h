@@ -9,7 +9,7 @@
 
 #include <set>
 
-namespace occlude::gl {
+namespace occlude {
 
 /// An OpenGL engine that draws boxes in the colour of their id, relative to the camera or in world
 /// coordinates, with vertices on the grid of 1/256 pixel (docs/conventions.md says why).
@@ -163,4 +163,4 @@ private:
     GlVertexArray vertex_array_;
 };
 
-} // namespace occlude::gl
+} // namespace occlude

@@ -95,17 +95,17 @@ bool GlTarget::bind_ids()
 
 bool GlTarget::make_sample_reader()
 {
-    auto program = gl::make_program("samples", kWholeTargetVertex, kSampleFragment);
+    auto program = make_program("samples", kWholeTargetVertex, kSampleFragment);
     if (!program) {
         return false;
     }
     sample_program_ = std::move(*program);
-    sample_vertices_ = gl::GlVertexArray::make();
-    id_samples_ = gl::GlTexture::make();
+    sample_vertices_ = GlVertexArray::make();
+    id_samples_ = GlTexture::make();
     glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, id_samples_.name());
     glTexImage2DMultisample(GL_TEXTURE_2D_MULTISAMPLE, samples_, GL_RGBA8, size_.x, size_.y,
                             GL_TRUE);
-    id_copy_ = gl::GlFramebuffer::make();
+    id_copy_ = GlFramebuffer::make();
     glBindFramebuffer(GL_FRAMEBUFFER, id_copy_.name());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D_MULTISAMPLE,
                            id_samples_.name(), 0);

@@ -52,10 +52,10 @@ private:
     Attachments ids_;      ///< made when needed
 
     // To read the samples of ids_ one by one: a texture of the same samples, and who draws one.
-    gl::GlTexture id_samples_;
-    gl::GlFramebuffer id_copy_;
-    gl::GlProgram sample_program_;
-    gl::GlVertexArray sample_vertices_;
+    GlTexture id_samples_;
+    GlFramebuffer id_copy_;
+    GlProgram sample_program_;
+    GlVertexArray sample_vertices_;
 };
 
 } // namespace occlude::tools
