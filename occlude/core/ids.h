@@ -42,6 +42,9 @@ struct Handle {
 using ItemId = Id<struct ItemTag>;
 /// A node of a Hierarchy: an index that is valid until the hierarchy's structure changes.
 using NodeId = Id<struct NodeTag>;
+/// A position in Hierarchy::items(), the order of draws: not an ItemId. Valid until the hierarchy's
+/// structure changes.
+using ItemPosition = Id<struct ItemPositionTag>;
 /// An object of a Scene. Stale handles are recognised: the slot's generation has moved on.
 using ObjectId = Handle<struct ObjectTag>;
 /// An outstanding test on a QueryDevice. Spent when its result was read.

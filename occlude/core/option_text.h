@@ -5,7 +5,8 @@
 //   visit("refine", o.refine, "description")                    a bool, or an enum whose values
 //                                                               option_names() lists
 //   visit("cell_size", o.cell_size, {1, 4096}, "description")   a number, and its range
-//   visit("seed", o.seed, "description")                        any number from 0 on
+//
+// A number without a range does not compile. The range {} is any finite number from 0 on.
 #pragma once
 
 #include <occlude/core/option_range.h>
@@ -117,11 +118,6 @@ public:
         infos.push_back({name, to_text(value), std::move(text), accepted_values(value)});
     }
     template <OptionNumber T>
-    void operator()(const char* name, const T& value, const char* description)
-    {
-        (*this)(name, value, {}, description);
-    }
-    template <OptionNumber T>
     void operator()(const char* name, const T& value, OptionRange<std::type_identity_t<T>> range,
                     const char* description)
     {
@@ -145,11 +141,6 @@ public:
         if (is_it(name) && !from_text(setting_.second, value)) {
             refuse(accepted_values(value));
         }
-    }
-    template <OptionNumber T>
-    void operator()(const char* name, T& value, const char* description)
-    {
-        (*this)(name, value, {}, description);
     }
     template <OptionNumber T>
     void operator()(const char* name, T& value, OptionRange<std::type_identity_t<T>> range,

@@ -1,11 +1,14 @@
 #include <occlude/cull/culler.h>
 
+#include <occlude/core/assert.h>
 #include <occlude/cull/parts/cull_frame.h>
 
 namespace occlude {
 
 FrameReport Culler::cull(const View& view, QueryDevice& device)
 {
+    OCCLUDE_ASSERT(!hierarchy_.moved_from(), "the culler's hierarchy was moved away: make a culler "
+                                             "over the hierarchy that it was moved to");
     if (in_frame_) {
         reset(); // the device threw in the last frame
     }

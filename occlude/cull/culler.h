@@ -35,6 +35,7 @@ class Culler {
 public:
     /// Keeps a reference: `hierarchy` outlives the culler and stays where it is. It may be refitted
     /// or assigned another one between frames; a changed structure resets the culler by itself.
+    /// After it was moved away the culler has nothing to draw: asserting builds say so.
     explicit Culler(HierarchyRef hierarchy)
         : hierarchy_(hierarchy)
     {

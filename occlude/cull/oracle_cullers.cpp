@@ -56,7 +56,7 @@ void Ideal::record(const View& view, QueryDevice&, std::span<const ItemId> owner
     std::vector<std::pair<float, ItemId>> order;
     visible_triangles_ = 0;
     const auto add = [&](ItemId item) {
-        const ItemBounds& bounds = bounds_at(hierarchy(), position_of_item_[item.value]);
+        const ItemBounds& bounds = hierarchy().item_bounds(position_of_item_[item.value]);
         order.emplace_back(view.distance_key(bounds.box), item);
         visible_triangles_ += bounds.triangles;
     };
@@ -69,7 +69,7 @@ void Ideal::record(const View& view, QueryDevice&, std::span<const ItemId> owner
         }
     }
     for (const Hierarchy::FlaggedItem& flagged : hierarchy().flagged_items()) {
-        const ItemBounds& bounds = bounds_at(hierarchy(), ItemPosition{flagged.position});
+        const ItemBounds& bounds = hierarchy().item_bounds(flagged.position);
         if (has_flag(bounds.flags, ItemFlags::translucent) &&
             view.frustum().classify(bounds.box) != Containment::outside) {
             add(flagged.item);

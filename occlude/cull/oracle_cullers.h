@@ -12,7 +12,6 @@
 #pragma once
 
 #include <occlude/cull/parts/frustum_walk.h>
-#include <occlude/cull/parts/item_position.h>
 #include <occlude/cull/registry.h>
 #include <occlude/cull/stop_and_wait.h>
 

@@ -144,6 +144,27 @@ static std::string check_derived(const Hierarchy& hierarchy)
     return {};
 }
 
+Hierarchy::Hierarchy(Hierarchy&& from) noexcept
+{
+    *this = std::move(from);
+}
+
+Hierarchy& Hierarchy::operator=(Hierarchy&& from) noexcept
+{
+    if (this == &from) {
+        return *this;
+    }
+    nodes_ = std::exchange(from.nodes_, {});
+    items_ = std::exchange(from.items_, {});
+    item_bounds_ = std::exchange(from.item_bounds_, {});
+    flagged_ = std::exchange(from.flagged_, {});
+    object_nodes_ = std::exchange(from.object_nodes_, {});
+    positions_ = std::exchange(from.positions_, {});
+    shapes_ = std::exchange(from.shapes_, nullptr);
+    structure_version_ = std::exchange(from.structure_version_, kMovedFrom);
+    return *this;
+}
+
 Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
                                  std::vector<ItemBounds> item_bounds)
 {
@@ -230,24 +251,24 @@ void Hierarchy::collect_flagged()
     flagged_.clear();
     for (uint32_t i = 0; i < std::min(items_.size(), item_bounds_.size()); ++i) {
         if (has_flag(item_bounds_[i].flags, kDrawnOutOfTurn)) {
-            flagged_.push_back({items_[i], i});
+            flagged_.push_back({items_[i], ItemPosition{i}});
         }
     }
     std::sort(flagged_.begin(), flagged_.end());
 }
 
-// Takes new bounds of the item at `place`; true if its flags have changed.
-bool Hierarchy::take_bounds(size_t place, std::span<const ItemBounds> bounds_by_item)
+// Takes new bounds of the item at that position; true if its flags have changed.
+bool Hierarchy::take_bounds(ItemPosition at, std::span<const ItemBounds> bounds_by_item)
 {
-    ItemBounds& item = item_bounds_[place];
-    const bool known = items_[place].value < bounds_by_item.size();
+    ItemBounds& item = item_bounds_[at.value];
+    const bool known = items_[at.value].value < bounds_by_item.size();
     OCCLUDE_ASSERT(known, "refit() needs the bounds of every item that it is to look at");
     if (!known) {
         item.box = Aabb::everything();
         return false;
     }
     const ItemFlags old_flags = item.flags;
-    item = bounds_by_item[items_[place].value];
+    item = bounds_by_item[items_[at.value].value];
     item.box = sanitized(item.box);
     return item.flags != old_flags;
 }
@@ -255,8 +276,8 @@ bool Hierarchy::take_bounds(size_t place, std::span<const ItemBounds> bounds_by_
 void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
 {
     bool flags_changed = false;
-    for (size_t place = 0; place < items_.size(); ++place) {
-        flags_changed = take_bounds(place, bounds_by_item) || flags_changed;
+    for (size_t i = 0; i < items_.size(); ++i) {
+        flags_changed = take_bounds(ItemPosition{i}, bounds_by_item) || flags_changed;
     }
     if (flags_changed) {
         collect_flagged();
@@ -266,26 +287,26 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
     OCCLUDE_VALIDATE(validate(*this));
 }
 
-void Hierarchy::index_places()
+void Hierarchy::index_positions()
 {
-    if (places_.structure_version == structure_version_) {
+    if (positions_.structure_version == structure_version_) {
         return;
     }
-    places_.structure_version = structure_version_;
+    positions_.structure_version = structure_version_;
     uint32_t ids = 0;
     for (const ItemId item : items_) {
         ids = std::max(ids, item.value + 1);
     }
-    places_.place_of.assign(ids, PlaceIndex::kNowhere);
-    for (size_t place = 0; place < items_.size(); ++place) {
-        places_.place_of[items_[place].value] = static_cast<uint32_t>(place);
+    positions_.of_item.assign(ids, ItemPosition{});
+    for (size_t i = 0; i < items_.size(); ++i) {
+        positions_.of_item[items_[i].value] = ItemPosition{i};
     }
-    places_.owner_of.resize(items_.size());
+    positions_.owner_of.resize(items_.size());
     for (size_t id = 0; id < nodes_.size(); ++id) {
         const Node& node = nodes_[id];
-        std::fill_n(places_.owner_of.begin() + node.first_item, node.own_items, NodeId{id});
+        std::fill_n(positions_.owner_of.begin() + node.first_item, node.own_items, NodeId{id});
     }
-    places_.marked.assign((nodes_.size() + 63) / 64, 0);
+    positions_.marked.assign((nodes_.size() + 63) / 64, 0);
 }
 
 void Hierarchy::refit(std::span<const ItemId> moved, std::span<const ItemBounds> bounds_by_item,
@@ -294,19 +315,19 @@ void Hierarchy::refit(std::span<const ItemId> moved, std::span<const ItemBounds>
     if (moved.empty()) {
         return;
     }
-    index_places();
-    std::vector<uint64_t>& marked = places_.marked;
+    index_positions();
+    std::vector<uint64_t>& marked = positions_.marked;
     const auto mark = [&](NodeId node) {
         marked[node.value / 64] |= uint64_t{1} << node.value % 64;
     };
     bool flags_changed = false;
     for (const ItemId item : moved) {
-        const uint32_t place = item.value < places_.place_of.size() ? places_.place_of[item.value]
-                                                                    : PlaceIndex::kNowhere;
-        OCCLUDE_ASSERT(place != PlaceIndex::kNowhere, "a moved item is one of the hierarchy's");
-        if (place != PlaceIndex::kNowhere) {
-            flags_changed = take_bounds(place, bounds_by_item) || flags_changed;
-            mark(places_.owner_of[place]);
+        const bool indexed = item.value < positions_.of_item.size();
+        const ItemPosition at = indexed ? positions_.of_item[item.value] : ItemPosition{};
+        OCCLUDE_ASSERT(at.valid(), "a moved item is one of the hierarchy's");
+        if (at.valid()) {
+            flags_changed = take_bounds(at, bounds_by_item) || flags_changed;
+            mark(positions_.owner_of[at.value]);
         }
     }
     if (flags_changed) {
@@ -341,8 +362,8 @@ size_t Hierarchy::memory_bytes() const
     const auto bytes = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
     return bytes(nodes_) + bytes(items_) + bytes(item_bounds_) + bytes(flagged_) +
            bytes(object_nodes_.object) + bytes(object_nodes_.box) + bytes(object_nodes_.key) +
-           bytes(object_nodes_.frames) + bytes(places_.place_of) + bytes(places_.owner_of) +
-           bytes(places_.marked);
+           bytes(object_nodes_.frames) + bytes(positions_.of_item) + bytes(positions_.owner_of) +
+           bytes(positions_.marked);
 }
 
 void Hierarchy::set_object_nodes(ObjectNodes nodes)

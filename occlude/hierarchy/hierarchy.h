@@ -14,6 +14,7 @@
 #pragma once
 
 #include <occlude/core/aabb.h>
+#include <occlude/core/assert.h>
 #include <occlude/core/ids.h>
 #include <occlude/hierarchy/object_nodes.h>
 
@@ -69,6 +70,18 @@ class ItemShapes;
 
 class Hierarchy {
 public:
+    Hierarchy() = default;
+    Hierarchy(const Hierarchy&) = default;
+    Hierarchy& operator=(const Hierarchy&) = default;
+    /// Leaves `from` empty, with moved_from() true. Cullers keep a reference to their hierarchy:
+    /// move it before they are made.
+    Hierarchy(Hierarchy&& from) noexcept;
+    Hierarchy& operator=(Hierarchy&& from) noexcept;
+    ~Hierarchy() = default;
+
+    /// True after a move until another hierarchy is assigned.
+    bool moved_from() const { return structure_version_ == kMovedFrom; }
+
     std::span<const Node> nodes() const { return nodes_; }
     const Node& node(NodeId id) const { return nodes_[id.value]; }
     bool empty() const { return nodes_.empty(); }
@@ -88,10 +101,23 @@ public:
     /// become Aabb::everything().
     std::span<const ItemBounds> item_bounds() const { return item_bounds_; }
 
-    /// An item with one of kDrawnOutOfTurn, and its place in items().
+    /// The item at a position of items(), and its bounds. Precondition: `at` is less than the
+    /// number of items.
+    ItemId item(ItemPosition at) const
+    {
+        OCCLUDE_ASSERT(at.value < items_.size(), "a position of another tree");
+        return items_[at.value];
+    }
+    const ItemBounds& item_bounds(ItemPosition at) const
+    {
+        OCCLUDE_ASSERT(at.value < item_bounds_.size(), "a position of another tree");
+        return item_bounds_[at.value];
+    }
+
+    /// An item with one of kDrawnOutOfTurn.
     struct FlaggedItem {
         ItemId item;
-        uint32_t position = 0;
+        ItemPosition position;
 
         auto operator<=>(const FlaggedItem&) const = default;
     };
@@ -159,27 +185,27 @@ public:
                                           std::vector<ItemBounds> item_bounds);
 
 private:
+    static constexpr uint64_t kMovedFrom = ~uint64_t{0};
+
     /// Where items are, for partial refits.
-    struct PlaceIndex {
-        std::vector<uint32_t> place_of; ///< by ItemId: into items_, or kNowhere
-        std::vector<NodeId> owner_of;   ///< by place: the node that has it among its own items
+    struct PositionIndex {
+        std::vector<ItemPosition> of_item; ///< by ItemId; invalid for an item that is not here
+        std::vector<NodeId> owner_of;   ///< by position: the node that has it among its own items
         std::vector<uint64_t> marked;   ///< a bit per node, all clear between calls
         uint64_t structure_version = 0; ///< that it was made for; 0: none
-
-        static constexpr uint32_t kNowhere = 0xffffffffu;
     };
 
     void refit_nodes();
     void collect_flagged();
-    void index_places();
-    bool take_bounds(size_t place, std::span<const ItemBounds> bounds_by_item);
+    void index_positions();
+    bool take_bounds(ItemPosition at, std::span<const ItemBounds> bounds_by_item);
 
     std::vector<Node> nodes_;
     std::vector<ItemId> items_;
     std::vector<ItemBounds> item_bounds_;
     std::vector<FlaggedItem> flagged_;
     ObjectNodes object_nodes_;
-    PlaceIndex places_;
+    PositionIndex positions_;
     const ItemShapes* shapes_ = nullptr;
     uint64_t structure_version_ = 0;
 };

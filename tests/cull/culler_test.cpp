@@ -48,6 +48,47 @@ static_assert(kNoneTakesATemporary<Adaptive, BatchAndWait, Chc, ChcPlusPlus, Fru
 static_assert(!std::is_invocable_v<decltype(make_culler), const char*, Hierarchy,
                                    std::span<const OptionValue>, SecondsClock>);
 
+#if !OCCLUDE_ASSERTS // asserting builds stop: it is a caller's bug
+TEST(Culler, OverAHierarchyThatWasMovedAwayDrawsNothingUntilThereIsAnother)
+{
+    Hierarchy tree = test::row_tree(1);
+    FrustumCuller culler(tree);
+    ScriptedDevice device;
+    EXPECT_EQ(culler.cull(test::look_ahead(), device).counters.items_drawn, 2u);
+    Hierarchy elsewhere = std::move(tree);
+    EXPECT_EQ(culler.cull(test::look_ahead(), device).counters.items_drawn, 0u);
+    tree = test::row_tree(2);
+    EXPECT_EQ(culler.cull(test::look_ahead(), device).counters.items_drawn, 4u);
+    EXPECT_EQ(elsewhere.items().size(), 2u);
+}
+#endif
+
+TEST(Culler, SaysThatItsHierarchyWasMovedAway)
+{
+    Hierarchy tree = test::row_tree(1);
+    EXPECT_FALSE(tree.moved_from());
+    const Hierarchy elsewhere = std::move(tree);
+    EXPECT_TRUE(tree.moved_from());
+    EXPECT_TRUE(tree.empty());
+    EXPECT_FALSE(elsewhere.moved_from());
+#if OCCLUDE_ASSERTS
+    FrustumCuller culler(tree);
+    ScriptedDevice device;
+    const AssertHandler before =
+        set_assert_handler([](std::string_view, std::string_view message, std::string_view, int) {
+            throw std::logic_error{std::string{message}};
+        });
+    std::string said;
+    try {
+        culler.cull(test::look_ahead(), device);
+    } catch (const std::logic_error& error) {
+        said = error.what();
+    }
+    set_assert_handler(before);
+    EXPECT_NE(said.find("moved away"), std::string::npos) << said;
+#endif
+}
+
 // --- frames that end in the middle ---------------------------------------------------------------
 
 /// Throws at one call of draw() or query(), the first being 1.

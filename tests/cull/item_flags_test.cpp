@@ -51,7 +51,7 @@ TEST(ItemFlags, ASceneAndABvhHandThemOn)
     const Hierarchy tree = build_bvh(scene.item_bounds(), {.leaf_triangles = 1});
     ASSERT_EQ(tree.flagged_items().size(), 1u);
     EXPECT_EQ(tree.flagged_items()[0].item, ItemId{1u});
-    EXPECT_EQ(tree.items()[tree.flagged_items()[0].position], ItemId{1u});
+    EXPECT_EQ(tree.item(tree.flagged_items()[0].position), ItemId{1u});
     scene.remove(object);
     EXPECT_EQ(scene.item_flags(ItemId{1u}), ItemFlags::none);
 }

@@ -210,7 +210,7 @@ TEST(Hierarchy, RefitTakesNewBoxesCountsAndFlagsByItemIdAndKeepsTheStructure)
     EXPECT_EQ(tree.node(NodeId{5u}).subtree_triangles, 77u);
     ASSERT_EQ(tree.flagged_items().size(), 1u);
     EXPECT_EQ(tree.flagged_items()[0].item, ItemId{2u});
-    EXPECT_EQ(tree.items()[tree.flagged_items()[0].position], ItemId{2u});
+    EXPECT_EQ(tree.item(tree.flagged_items()[0].position), ItemId{2u});
     EXPECT_TRUE(tree.is_leaf(NodeId{2u}));
 }
 

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <occlude/core/assert.h>
-#include <occlude/cull/parts/item_position.h>
 #include <occlude/hierarchy/hierarchy.h>
 #include <occlude/hierarchy/lattice.h>
 

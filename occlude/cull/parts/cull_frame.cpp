@@ -31,17 +31,17 @@ CullFrame::~CullFrame()
 
 void CullFrame::queue(ItemPosition at)
 {
-    drawn_.push_back(item_at(hierarchy_, at));
-    queued_triangles_ += bounds_at(hierarchy_, at).triangles;
+    drawn_.push_back(hierarchy_.item(at));
+    queued_triangles_ += hierarchy_.item_bounds(at).triangles;
 }
 
 // Puts an item aside if its flags say so, to be drawn when the frame finishes.
 bool CullFrame::set_aside(ItemPosition at)
 {
-    const ItemBounds& bounds = bounds_at(hierarchy_, at);
+    const ItemBounds& bounds = hierarchy_.item_bounds(at);
     if (has_flag(bounds.flags, ItemFlags::translucent)) {
         record_.translucent_items.push_back(
-            {view_.distance_key(bounds.box), item_at(hierarchy_, at), bounds.triangles});
+            {view_.distance_key(bounds.box), hierarchy_.item(at), bounds.triangles});
         return true;
     }
     if (has_flag(bounds.flags, ItemFlags::never_occlude)) {
@@ -54,10 +54,10 @@ bool CullFrame::set_aside(ItemPosition at)
 void CullFrame::start_never_culled()
 {
     for (const Hierarchy::FlaggedItem& flagged : hierarchy_.flagged_items()) {
-        const ItemBounds& bounds = bounds_at(hierarchy_, ItemPosition{flagged.position});
+        const ItemBounds& bounds = hierarchy_.item_bounds(flagged.position);
         const bool wanted = has_flag(bounds.flags, ItemFlags::never_cull) && !bounds.box.is_empty();
-        if (wanted && !set_aside(ItemPosition{flagged.position})) {
-            queue(ItemPosition{flagged.position});
+        if (wanted && !set_aside(flagged.position)) {
+            queue(flagged.position);
         }
     }
 }
@@ -76,7 +76,7 @@ bool CullFrame::visit(NodeId node, PlaneMask& mask)
 bool CullFrame::visit_item(NodeId owner, ItemPosition at, PlaneMask& mask)
 {
     ++report_.counters.nodes_visited;
-    if (view_.frustum().classify(bounds_at(hierarchy_, at).box, mask) == Containment::outside) {
+    if (view_.frustum().classify(hierarchy_.item_bounds(at).box, mask) == Containment::outside) {
         decide_item(owner, at, Decision::outside);
         return false;
     }
@@ -108,7 +108,7 @@ void CullFrame::draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMas
     const bool has_flags = hierarchy_.has_flags();
     for (uint32_t i = first; i < first + count; ++i) {
         const ItemPosition at{i};
-        const ItemBounds& bounds = bounds_at(hierarchy_, at);
+        const ItemBounds& bounds = hierarchy_.item_bounds(at);
         PlaneMask item_mask = mask;
         if (view_.frustum().classify(bounds.box, item_mask) == Containment::outside) {
             continue;
@@ -140,13 +140,13 @@ void CullFrame::draw_own(NodeId node, PlaneMask mask, Decision decision)
 
 void CullFrame::draw_item(NodeId owner, ItemPosition at, PlaneMask mask, Decision decision)
 {
-    const ItemBounds& bounds = bounds_at(hierarchy_, at);
+    const ItemBounds& bounds = hierarchy_.item_bounds(at);
     if (view_.frustum().classify(bounds.box, mask) == Containment::outside) {
         decision = Decision::outside;
     } else if (!has_flag(bounds.flags, ItemFlags::never_cull) && !set_aside(at)) {
         queue(at);
     }
-    record_.decisions.add(owner, item_at(hierarchy_, at), decision);
+    record_.decisions.add(owner, hierarchy_.item(at), decision);
 }
 
 void CullFrame::draw_items(std::span<const ItemId> items, uint64_t triangles)
@@ -158,16 +158,16 @@ void CullFrame::draw_items(std::span<const ItemId> items, uint64_t triangles)
     }
     const auto flagged = hierarchy_.flagged_items();
     for (const ItemId item : items) {
-        const auto found =
-            std::lower_bound(flagged.begin(), flagged.end(), Hierarchy::FlaggedItem{item, 0});
+        const auto found = std::lower_bound(flagged.begin(), flagged.end(),
+                                            Hierarchy::FlaggedItem{item, ItemPosition{0u}});
         if (found == flagged.end() || found->item != item) {
             drawn_.push_back(item);
             continue;
         }
-        const ItemBounds& bounds = bounds_at(hierarchy_, ItemPosition{found->position});
+        const ItemBounds& bounds = hierarchy_.item_bounds(found->position);
         queued_triangles_ -= bounds.triangles;
         if (!has_flag(bounds.flags, ItemFlags::never_cull)) {
-            set_aside(ItemPosition{found->position});
+            set_aside(found->position);
         }
     }
 }

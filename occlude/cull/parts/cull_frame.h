@@ -14,7 +14,6 @@
 #include <occlude/core/query_device.h>
 #include <occlude/core/view.h>
 #include <occlude/cull/parts/frame_record.h>
-#include <occlude/cull/parts/item_position.h>
 #include <occlude/hierarchy/hierarchy.h>
 #include <occlude/screen/projection.h>
 
@@ -169,7 +168,7 @@ public:
     /// ... of one item of node `owner`, by its position in Hierarchy::items().
     void decide_item(NodeId owner, ItemPosition at, Decision decision)
     {
-        record_.decisions.add(owner, item_at(hierarchy_, at), decision);
+        record_.decisions.add(owner, hierarchy_.item(at), decision);
     }
 
     /// Draws the queued items and the items set aside, shades after a depth-only pass, ends the

@@ -26,7 +26,7 @@ void CutTraversal::forget()
 double CutTraversal::units_of(const Entry& entry) const
 {
     if (entry.is_item()) {
-        return units(bounds_at(hierarchy_, entry.place).triangles, 1);
+        return units(hierarchy_.item_bounds(entry.place).triangles, 1);
     }
     const Node& node = hierarchy_.node(entry.node);
     return units(node.subtree_triangles, node.subtree_items);
@@ -76,7 +76,7 @@ void CutTraversal::add_parts(const CullFrame& frame, const CutCandidate& candida
     }
     for (uint32_t i = 0; i < node.own_items; ++i) {
         const ItemPosition place{node.first_item + i};
-        parts_.push_back({frame.view().distance_key(bounds_at(hierarchy_, place).box),
+        parts_.push_back({frame.view().distance_key(hierarchy_.item_bounds(place).box),
                           candidate.entry.node, place});
     }
     std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) {

@@ -96,7 +96,7 @@ public:
 
     const Aabb& box_of(const Entry& entry) const
     {
-        return entry.is_item() ? bounds_at(hierarchy_, entry.place).box
+        return entry.is_item() ? hierarchy_.item_bounds(entry.place).box
                                : hierarchy_.node(entry.node).box;
     }
     uint64_t items_of(const Entry& entry) const

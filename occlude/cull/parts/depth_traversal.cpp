@@ -48,7 +48,7 @@ const ItemShapes::Placed* DepthTraversal::shape_of(const Entry& entry) const
     const Hierarchy& hierarchy = cut_.hierarchy();
     const ItemPosition place =
         entry.is_item() ? entry.place : ItemPosition{hierarchy.node(entry.node).first_item};
-    return hierarchy.shapes()->find(item_at(hierarchy, place));
+    return hierarchy.shapes()->find(hierarchy.item(place));
 }
 
 // Shapes are tested one by one and are few, so that each can be timed.

@@ -5,7 +5,6 @@
 #include <occlude/core/ids.h>
 #include <occlude/cull/parts/back_to_front.h>
 #include <occlude/cull/parts/decision_log.h>
-#include <occlude/cull/parts/item_position.h>
 #include <occlude/cull/parts/ticket_ledger.h>
 
 #include <cstdint>

@@ -11,7 +11,6 @@
 //          H O i                    Every item lies below exactly one entry or is one.
 #pragma once
 
-#include <occlude/cull/parts/item_position.h>
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <algorithm>
@@ -94,7 +93,7 @@ inline void HierarchyCut::fetch_ahead([[maybe_unused]] const Hierarchy& hierarch
     if (i + kAhead < entries.size()) {
         const Entry& entry = entries[i + kAhead];
         const Node* node = &hierarchy.node(entry.node);
-        const ItemBounds* item = entry.is_item() ? &bounds_at(hierarchy, entry.place) : nullptr;
+        const ItemBounds* item = entry.is_item() ? &hierarchy.item_bounds(entry.place) : nullptr;
         const char* first =
             item ? reinterpret_cast<const char*>(item) : reinterpret_cast<const char*>(node);
         __builtin_prefetch(first);

@@ -66,9 +66,11 @@ void visit_options(BspOptions& o, Visit&& visit)
 {
     visit("split", o.split, "where the plane of a node goes");
     visit("straddling", o.straddling, "items across the plane: the node's own, or a third child");
-    visit("max_leaf_items", o.max_leaf_items, "a node of at most so many items is not split");
-    visit("max_depth", o.max_depth, "a node so far below the root is not split; at most 64");
-    visit("leaf_triangles", o.leaf_triangles, "nodes of at most so many become leaves; 0: none");
+    visit("max_leaf_items", o.max_leaf_items, {1}, "a node of at most so many items is not split");
+    visit("max_depth", o.max_depth, {0, 64},
+          "a node so far below the root is not split; at most 64");
+    visit("leaf_triangles", o.leaf_triangles, {},
+          "nodes of at most so many become leaves; 0: none");
 }
 
 } // namespace occlude

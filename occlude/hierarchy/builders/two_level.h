@@ -108,15 +108,16 @@ Hierarchy build_two_level(std::span<const ItemBounds> items, const TwoLevelOptio
 template <class Visit>
 void visit_options(TwoLevelOptions& o, Visit&& visit)
 {
-    visit("complex_triangles", o.complex_triangles,
+    visit("complex_triangles", o.complex_triangles, {},
           "an object of one item gets a node of its own if it has at least this many triangles");
-    visit("leaf_objects", o.leaf_objects, "a scene node of at most this many objects is not split");
-    visit("leaf_triangles", o.leaf_triangles,
+    visit("leaf_objects", o.leaf_objects, {1},
+          "a scene node of at most this many objects is not split");
+    visit("leaf_triangles", o.leaf_triangles, {},
           "nodes of at most this many triangles become leaves; 0: none");
-    visit("rebuild_period", o.rebuild_period, "updates from one rebuilt subtree to the next");
-    visit("rebuild_share", o.rebuild_share,
+    visit("rebuild_period", o.rebuild_period, {1}, "updates from one rebuilt subtree to the next");
+    visit("rebuild_share", o.rebuild_share, {},
           "a subtree is rebuilt when more links changed in it than this share of its objects");
-    visit("quiet_frames", o.quiet_frames,
+    visit("quiet_frames", o.quiet_frames, {},
           "updates without motion after which a node's box is tight again; 0: it always is");
 }
 

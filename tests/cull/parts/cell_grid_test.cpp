@@ -24,7 +24,7 @@ std::vector<uint32_t> cells_of(const CellGrid& grid, const Hierarchy& tree, uint
     std::vector<uint32_t> cells;
     for (uint32_t c = 0; c < grid.cells().size(); ++c) {
         for (const ItemPosition at : grid.items(grid.cells()[c])) {
-            if (item_at(tree, at).value == item) {
+            if (tree.item(at).value == item) {
                 cells.push_back(c);
             }
         }
@@ -68,7 +68,7 @@ TEST(CellGrid, EveryPointOfAnItemIsInTheBoxOfOneOfItsCells)
             for (const CellGrid::Cell& cell : grid.cells()) {
                 for (const ItemPosition at : grid.items(cell)) {
                     if (cell.grid == CellGrid::kNone) {
-                        leaf_boxes[item_at(tree, at).value].push_back(cell.box);
+                        leaf_boxes[tree.item(at).value].push_back(cell.box);
                         ++overlaps;
                     }
                 }
@@ -148,7 +148,7 @@ TEST(CellGrid, OddBoxesAreInNoCell)
     grid.update(tree, {.cell_triangles = 100, .nested_levels = 1});
     std::set<uint32_t> unbounded;
     for (const ItemPosition at : grid.unbounded()) {
-        unbounded.insert(item_at(tree, at).value);
+        unbounded.insert(tree.item(at).value);
         EXPECT_EQ(tree.own_items(grid.owner(at)).size() > 0, true);
     }
     EXPECT_EQ(unbounded, (std::set<uint32_t>{3, 4}));
