@@ -1,40 +1,48 @@
-// A file that is there completely or not at all: written beside its name and renamed at the end.
+// A file that the program writes: complete, or as it was before.
+//
+// A plain file is written beside its name and then renamed, so that no reader ever sees half of it.
+// Everything else is written through: a device node, a FIFO, a socket's descriptor, a file with
+// several names (hard links) and a file that standard output or standard error already goes to. A
+// symbolic link stays; the file that it leads to is replaced.
 #pragma once
 
 #include <occlude/core/result.h>
 
 #include <filesystem>
-#include <fstream>
-#include <string>
 #include <string_view>
 
 namespace occlude::tools {
 
 class OutputFile {
 public:
-    /// Makes sure now that `path` can be written later: creates a temporary file in its directory.
-    /// Errors name the path, the reason and the remedy.
+    /// Finds out now whether `path` can be written later, before long work starts. Leaves nothing
+    /// behind: neither a temporary file nor an open descriptor. Errors name the path, the reason
+    /// and the remedy.
     static Result<OutputFile> open(const std::filesystem::path& path);
 
-    /// Writes everything and gives the file its name, replacing what was there.
+    /// Writes everything. Errors leave a plain file as it was. If SIGINT, SIGTERM or SIGHUP ends
+    /// the program meanwhile, the temporary file is removed first.
     Result<bool> commit(std::string_view content);
 
-    OutputFile(OutputFile&& other) noexcept;
-    OutputFile& operator=(OutputFile&&) = delete;
-    /// Removes the temporary file unless committed.
-    ~OutputFile();
-
 private:
-    OutputFile(std::filesystem::path path, std::filesystem::path temporary, std::ofstream stream)
+    enum class How : unsigned char {
+        replace, ///< written beside `target_`, then renamed
+        through, ///< opened and written in place
+    };
+
+    OutputFile(std::filesystem::path path, std::filesystem::path target, How how)
         : path_(std::move(path))
-        , temporary_(std::move(temporary))
-        , stream_(std::move(stream))
+        , target_(std::move(target))
+        , how_(how)
     {
     }
 
-    std::filesystem::path path_;
-    std::filesystem::path temporary_; ///< empty: nothing to remove
-    std::ofstream stream_;
+    Result<bool> replace(std::string_view content) const;
+    Result<bool> write_through(std::string_view content) const;
+
+    std::filesystem::path path_;   ///< as the user wrote it
+    std::filesystem::path target_; ///< where symbolic links lead to
+    How how_;
 };
 
 } // namespace occlude::tools

@@ -1,11 +1,11 @@
 #include "model/exact_split.h"
 
+#include "files/temporary_file.h"
+
 #include <occlude/core/rng.h>
 #include <occlude/scene/split.h>
 
 #include <fmt/format.h>
-
-#include <unistd.h>
 
 #include <array>
 #include <bit>
@@ -75,10 +75,9 @@ uint64_t checksum(const Header& header, const Mesh& mesh, std::span<const FilePa
 }
 
 template <class T>
-void write_array(std::ofstream& out, std::span<const T> values)
+void write_array(TemporaryFile& out, std::span<const T> values)
 {
-    out.write(reinterpret_cast<const char*>(values.data()),
-              static_cast<std::streamsize>(values.size_bytes()));
+    out.write({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
 }
 
 template <class T>
@@ -146,28 +145,14 @@ bool write_cut_mesh(const fs::path& file, const Mesh& mesh)
 
     std::error_code failed;
     fs::create_directories(file.parent_path(), failed);
-    fs::path unfinished = file;
-    unfinished += fmt::format(".{}.tmp", ::getpid()); // two programs may write the same file
-    {
-        std::ofstream out(unfinished, std::ios::binary | std::ios::trunc);
-        write_array(out, std::span<const Header>{&header, 1});
-        write_array(out, std::span<const glm::vec3>{mesh.positions});
-        write_array(out, std::span<const glm::vec3>{mesh.normals});
-        write_array(out, std::span<const uint32_t>{mesh.indices});
-        write_array(out, std::span<const FilePart>{parts});
-        out.close();
-        if (!out) {
-            fs::remove(unfinished, failed);
-            return false;
-        }
-    }
-    fs::rename(unfinished, file, failed);
-    if (failed) {
-        std::error_code ignored;
-        fs::remove(unfinished, ignored);
-        return false;
-    }
-    return true;
+    TemporaryFile out{file};
+    write_array(out, std::span<const Header>{&header, 1});
+    write_array(out, std::span<const glm::vec3>{mesh.positions});
+    write_array(out, std::span<const glm::vec3>{mesh.normals});
+    write_array(out, std::span<const uint32_t>{mesh.indices});
+    write_array(out, std::span<const FilePart>{parts});
+    out.rename_to(file);
+    return out.failed() == 0;
 }
 
 std::optional<Mesh> read_cut_mesh(const fs::path& file)

@@ -1,11 +1,10 @@
+#include "files/output_file.h"
 #include "walk/path_json.h"
 #include "walk/paths.h"
 
 #include <fmt/core.h>
 
 #include <glm/geometric.hpp>
-
-#include <fstream>
 
 namespace occlude::tools {
 namespace {
@@ -125,13 +124,14 @@ Result<size_t> write_path_file(const std::string& file, std::span<const Camera> 
         }
         frames.push_back(std::move(frame));
     }
-    std::ofstream out(file, std::ios::binary);
-    out << Json::object({{"version", 1}, {"frames", std::move(frames)}}).dump(1) << '\n';
-    out.flush();
+    auto out = OutputFile::open(file);
     if (!out) {
-        return Error{
-            ErrorCode::not_found,
-            fmt::format("{}: cannot be written; check the folder and its permissions", file)};
+        return out.error();
+    }
+    const std::string text =
+        Json::object({{"version", 1}, {"frames", std::move(frames)}}).dump(1) + '\n';
+    if (const auto written = out->commit(text); !written) {
+        return written.error();
     }
     return cameras.size();
 }

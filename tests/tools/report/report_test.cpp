@@ -1,5 +1,4 @@
 #include "commands/progress.h"
-#include "files/output_file.h"
 #include "report/csv_report.h"
 #include "report/html_report.h"
 #include "report/json_report.h"
@@ -10,8 +9,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
 
@@ -20,7 +17,6 @@ namespace occlude::tools {
 namespace {
 
 using Json = nlohmann::json;
-namespace fs = std::filesystem;
 
 // Two frames of one algorithm, figures easy to recognise.
 BenchDocument example()
@@ -64,26 +60,6 @@ std::set<std::string> keys(const Json& json)
         names.insert(name);
     }
     return names;
-}
-
-std::string content_of(const fs::path& path)
-{
-    std::ifstream file{path, std::ios::binary};
-    return {std::istreambuf_iterator<char>{file}, {}};
-}
-
-fs::path fresh_directory(const std::string& name)
-{
-    const fs::path directory = fs::path{testing::TempDir()} / ("occlude_report_" + name);
-    fs::remove_all(directory);
-    fs::create_directories(directory);
-    return directory;
-}
-
-size_t files_in(const fs::path& directory)
-{
-    return static_cast<size_t>(
-        std::distance(fs::directory_iterator{directory}, fs::directory_iterator{}));
 }
 
 } // namespace
@@ -268,37 +244,6 @@ TEST(HtmlReport, EscapesWhatComesFromOutside)
     const std::vector<BenchDocument> documents = {example()};
     EXPECT_NE(html_report(documents).find("&quot;old&quot; &lt;/script&gt;, path auto"),
               std::string::npos);
-}
-
-TEST(OutputFile, IsThereCompletelyOrNotAtAll)
-{
-    const fs::path directory = fresh_directory("atomic");
-    const fs::path path = directory / "out.json";
-    std::ofstream{path} << "before";
-    {
-        auto file = OutputFile::open(path);
-        ASSERT_TRUE(file);
-        EXPECT_EQ(content_of(path), "before");
-    }
-    EXPECT_EQ(content_of(path), "before"); // abandoned: nothing lost
-    EXPECT_EQ(files_in(directory), 1u);    // and nothing left behind
-    auto file = OutputFile::open(path);
-    ASSERT_TRUE(file);
-    ASSERT_TRUE(file->commit("after"));
-    EXPECT_EQ(content_of(path), "after");
-    EXPECT_EQ(files_in(directory), 1u);
-}
-
-TEST(OutputFile, PlacesThatCannotBeWrittenAreNamedBeforehand)
-{
-    const fs::path directory = fresh_directory("unwritable");
-    const auto missing = OutputFile::open(directory / "no" / "out.json");
-    ASSERT_FALSE(missing);
-    EXPECT_NE(missing.error().message.find("out.json"), std::string::npos);
-    EXPECT_NE(missing.error().message.find("create it first"), std::string::npos);
-    const auto is_directory = OutputFile::open(directory);
-    ASSERT_FALSE(is_directory);
-    EXPECT_NE(is_directory.error().message.find("directory"), std::string::npos);
 }
 
 TEST(Progress, IsSilentWhenNobodyWatches)
