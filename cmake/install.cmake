@@ -1,5 +1,5 @@
 # What `cmake --install` puts where, so that find_package(occlude CONFIG) gives occlude::occlude and,
-# where it was built, occlude::gl.
+# where they were built, occlude::gl and occlude::conformance.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -16,6 +16,11 @@ if(TARGET occlude_c)
   set_target_properties(occlude_c PROPERTIES EXPORT_NAME c)
   install(TARGETS occlude_c EXPORT occlude-c-targets FILE_SET HEADERS)
   install(EXPORT occlude-c-targets NAMESPACE occlude:: DESTINATION ${OCCLUDE_PACKAGE_DIR})
+endif()
+if(TARGET occlude_conformance)
+  set_target_properties(occlude_conformance PROPERTIES EXPORT_NAME conformance)
+  install(TARGETS occlude_conformance EXPORT occlude-conformance-targets FILE_SET HEADERS)
+  install(EXPORT occlude-conformance-targets NAMESPACE occlude:: DESTINATION ${OCCLUDE_PACKAGE_DIR})
 endif()
 if(TARGET occlude_program)
   install(TARGETS occlude_program)

@@ -3,7 +3,7 @@
 
     core <- screen <- hierarchy <- hierarchy/builders <- scene
                       hierarchy <- cull/parts <- cull/adaptive <- cull
-    core <- screen <- effects <- device; core <- screen <- backends/*    (none sees an algorithm)
+    core <- screen <- effects <- device; core <- screen <- backends/*, conformance   (none sees an algorithm)
     cull <- integration (helpers of whoever integrates the library)
     cull <- c                                         (the C interface)
     files <- model <- load, walk <- generate ; model <- render <- measure <- report <- suites <- commands
@@ -36,6 +36,7 @@ ALLOWED = {
     "effects": {"core", "screen", "hierarchy", "effects"},
     "device": {"core", "screen", "effects", "device"},
     "c": {"core", "screen", "hierarchy", "hierarchy/builders", "cull/parts", "cull", "c"},
+    "conformance": {"core", "screen", "conformance"},
     "backends/gl": {"core", "screen", "backends/gl"},
     "backends/cpu": {"core", "screen", "backends/cpu"},
 }  # fmt: skip
@@ -51,10 +52,11 @@ TOOLS_ALLOWED = {
     "render": {"files", "model", "render"},
     "measure": {"files", "model", "render", "measure"},
     "report": {"files", "model", "measure", "report"},
+    "replay": {"files", "model", "render", "measure", "replay"},
     "suites": {"files", "model", "options", "measure", "report", "suites"},
     "commands": {
         "files", "model", "load", "walk", "generate", "options", "render", "measure", "report",
-        "suites", "commands",
+        "suites", "replay", "commands",
     },
 }  # fmt: skip
 

@@ -77,6 +77,10 @@ void RayDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
                 seen[pixel] = seen[pixel] || (depth < kNothing && depth <= depth_[pixel]);
             }
         }
+        if (answers_.size() >= caps_.max_outstanding) {
+            tickets[test] = {}; // invalid, so it answers lost: nobody collects answers any more
+            continue;
+        }
         const auto samples = std::count(seen.begin(), seen.end(), true);
         tickets[test] = {next_ticket_++, 1};
         answers_[tickets[test].index] = static_cast<uint64_t>(samples);
@@ -86,7 +90,7 @@ void RayDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 Answer RayDevice::wait(Ticket ticket)
 {
     const auto found = answers_.find(ticket.index);
-    if (!ticket.valid() || found == answers_.end()) {
+    if (ticket.generation != 1 || found == answers_.end()) {
         return Answer::lost(); // spent or foreign: reads as visible
     }
     const Answer answer = Answer::ready(found->second);

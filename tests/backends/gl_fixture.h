@@ -75,6 +75,14 @@ void main() { result = color; })");
         return ItemId{firsts_.size() - 1};
     }
 
+    /// Forgets all items.
+    void clear()
+    {
+        firsts_.clear();
+        counts_.clear();
+        points_.clear();
+    }
+
     void begin_frame(const View& view) override
     {
         view_ = view;

@@ -9,6 +9,33 @@
 #include <array>
 #include <cstdio>
 
+#ifdef HAS_CONFORMANCE
+#include <occlude/conformance/conformance.h>
+#include <occlude/device/scripted_device.h>
+
+namespace {
+
+// A device that sees everything keeps the contract.
+struct SeesEverything : occlude::conformance::Host {
+    occlude::QueryDevice& device() override { return scripted; }
+    void set_items(std::span<const occlude::Aabb>) override {}
+    occlude::ScriptedDevice scripted;
+};
+
+bool conforms()
+{
+    SeesEverything host;
+    return check_device(host, {.worlds = 1, .must_find_hidden = false}).passed();
+}
+
+} // namespace
+#else
+static bool conforms()
+{
+    return true;
+}
+#endif
+
 int main()
 {
     const std::array item{
@@ -27,5 +54,5 @@ int main()
         seen += view.frustum().classify(bounds.box) != occlude::Containment::outside ? 1 : 0;
     }
     std::printf("%zu items, %d in front of the camera\n", hierarchy.items().size(), seen);
-    return hierarchy.items().size() == 2 && seen == 1 ? 0 : 1;
+    return hierarchy.items().size() == 2 && seen == 1 && conforms() ? 0 : 1;
 }
