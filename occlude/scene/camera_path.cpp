@@ -81,6 +81,9 @@ glm::mat4 projection(const Camera& camera, float aspect, ClipConvention conventi
 std::vector<Camera> interpolate(std::span<const Keyframe> keys, size_t frame_count)
 {
     OCCLUDE_ASSERT(!keys.empty(), "a path has at least one key");
+    if (keys.empty()) {
+        return {};
+    }
     std::vector<Camera> frames;
     frames.reserve(frame_count);
     const double begin = keys.front().time;

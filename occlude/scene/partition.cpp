@@ -118,7 +118,10 @@ Partition partition_triangles(std::span<const glm::vec3> positions,
     OCCLUDE_ASSERT(max_triangles > 0, "a part holds at least one triangle");
     Partition out;
     const size_t count = indices.size() / 3;
-    if (count == 0) {
+    const bool inside = std::all_of(indices.begin(), indices.end(),
+                                    [&](uint32_t index) { return index < positions.size(); });
+    OCCLUDE_ASSERT(inside, "every index is one of a position");
+    if (count == 0 || !inside) {
         return out;
     }
     Triangles triangles{positions, indices, {}};

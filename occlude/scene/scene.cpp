@@ -24,6 +24,9 @@ void Scene::place(const Object& object)
 ObjectId Scene::add(const glm::mat4& world_from_object, std::span<const ItemDesc> items)
 {
     OCCLUDE_ASSERT(!items.empty(), "an object has at least one item");
+    if (items.empty()) {
+        return {};
+    }
     const auto count = static_cast<uint32_t>(items.size());
     uint32_t first = static_cast<uint32_t>(bounds_.size());
     if (count < free_items_.size() && !free_items_[count].empty()) {

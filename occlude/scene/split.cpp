@@ -337,10 +337,16 @@ SplitMesh split_triangles(std::span<const glm::vec3> positions, std::span<const 
 {
     OCCLUDE_ASSERT(indices.size() % 3 == 0,
                    "split_triangles() needs three indices for each triangle");
-    OCCLUDE_ASSERT(positions.size() == normals.size(),
-                   "split_triangles() needs a normal for each position");
     OCCLUDE_ASSERT(max_triangles > 0, "a part must be allowed to hold at least one triangle");
-    return Splitter{positions, normals, std::max(max_triangles, 1u)}.run(indices);
+    const bool inside = positions.size() == normals.size() &&
+                        std::all_of(indices.begin(), indices.end(),
+                                    [&](uint32_t index) { return index < positions.size(); });
+    OCCLUDE_ASSERT(inside, "split_triangles() needs a position and a normal for each index");
+    if (!inside) {
+        return {};
+    }
+    return Splitter{positions, normals, std::max(max_triangles, 1u)}.run(
+        indices.first(indices.size() / 3 * 3));
 }
 
 } // namespace occlude

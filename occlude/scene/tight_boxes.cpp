@@ -181,6 +181,12 @@ Shape tight_boxes(std::span<const glm::vec3> positions, std::span<const uint32_t
                   uint32_t most_boxes)
 {
     OCCLUDE_ASSERT(indices.size() % 3 == 0, "indices come in threes");
+    const bool inside = std::all_of(indices.begin(), indices.end(),
+                                    [&](uint32_t index) { return index < positions.size(); });
+    OCCLUDE_ASSERT(inside, "every index is one of a position");
+    if (!inside) {
+        return {Aabb::everything()};
+    }
     std::vector<Triangle> triangles;
     triangles.reserve(indices.size() / 3);
     for (size_t i = 0; i + 2 < indices.size(); i += 3) {

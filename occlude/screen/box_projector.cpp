@@ -209,6 +209,9 @@ void project_query_boxes(const View& view, std::span<const QueryBox> boxes,
                          std::span<ScreenBounds> bounds)
 {
     OCCLUDE_ASSERT(boxes.size() == bounds.size(), "project_query_boxes needs one result per box");
+    std::fill(bounds.begin() + static_cast<std::ptrdiff_t>(std::min(boxes.size(), bounds.size())),
+              bounds.end(), ScreenBounds{});
+    boxes = boxes.first(std::min(boxes.size(), bounds.size()));
     const detail::BoxProjector from_world = detail::BoxProjector::of_tests(view);
     for (size_t i = 0; i < boxes.size(); ++i) {
         const glm::mat4* world_from_box = boxes[i].world_from_box;
@@ -231,6 +234,9 @@ static void project_by(const detail::BoxProjector& projector, std::span<const Aa
                        std::span<ScreenBounds> bounds, Kernel kernel)
 {
     OCCLUDE_ASSERT(boxes.size() == bounds.size(), "project_boxes needs one result per box");
+    std::fill(bounds.begin() + static_cast<std::ptrdiff_t>(std::min(boxes.size(), bounds.size())),
+              bounds.end(), ScreenBounds{});
+    boxes = boxes.first(std::min(boxes.size(), bounds.size()));
     if (kernel == Kernel::scalar) {
         for (size_t i = 0; i < boxes.size(); ++i) {
             projector.project(boxes[i], bounds[i]);

@@ -262,6 +262,10 @@ void DepthPyramid::hides(std::span<const ScreenBounds> bounds, Refinement refine
                          std::span<uint8_t> hidden, Kernel kernel) const
 {
     OCCLUDE_ASSERT(bounds.size() == hidden.size(), "DepthPyramid::hides needs one result per box");
+    if (bounds.size() != hidden.size()) {
+        std::ranges::fill(hidden, uint8_t{0});
+        return;
+    }
     if (!by_vectors(kernel)) {
         for (size_t i = 0; i < bounds.size(); ++i) {
             const ScreenBounds& b = bounds[i];
@@ -283,6 +287,10 @@ void DepthPyramid::hides(const View& view, std::span<const Aabb> boxes, Refineme
                          std::span<uint8_t> hidden, Kernel kernel) const
 {
     OCCLUDE_ASSERT(boxes.size() == hidden.size(), "DepthPyramid::hides needs one result per box");
+    if (boxes.size() != hidden.size()) {
+        std::ranges::fill(hidden, uint8_t{0});
+        return;
+    }
     if (view.size_px() != size_px()) {
         std::ranges::fill(hidden, uint8_t{0});
         return;

@@ -391,7 +391,7 @@ bool CpuDevice::read_depth(const PixelRect& rect, std::span<float> out)
 
 CpuDevice::Owner CpuDevice::owner(size_t pixel) const
 {
-    if (depth_[pixel] == kClearDepth) {
+    if (pixel >= depth_.size() || depth_[pixel] == kClearDepth) {
         return {};
     }
     return {ItemId{items_[pixel]}, triangles_[pixel]};

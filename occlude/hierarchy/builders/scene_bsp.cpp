@@ -40,6 +40,9 @@ SceneBsp::SceneBsp(const TwoLevelOptions& options)
 SceneBsp::Slot SceneBsp::add(const TwoLevelObject& added)
 {
     OCCLUDE_ASSERT(!added.local_boxes.empty(), "an object needs the box of at least one item");
+    if (added.local_boxes.empty()) {
+        return kNone; // no slot is in use by that number
+    }
     Slot slot = static_cast<Slot>(objects_.size());
     if (free_slots_.empty()) {
         objects_.emplace_back();
@@ -69,6 +72,9 @@ void SceneBsp::mark_moved(Slot slot)
 void SceneBsp::move(Slot slot, const glm::mat4& world_from_object)
 {
     OCCLUDE_ASSERT(in_use(slot), "only an object that is in the tree can move");
+    if (!in_use(slot)) {
+        return;
+    }
     objects_[slot].world_from_object = world_from_object;
     mark_moved(slot);
 }
@@ -76,6 +82,9 @@ void SceneBsp::move(Slot slot, const glm::mat4& world_from_object)
 void SceneBsp::remove(Slot slot)
 {
     OCCLUDE_ASSERT(in_use(slot), "only an object that is in the tree can be removed");
+    if (!in_use(slot)) {
+        return;
+    }
     Object& object = objects_[slot];
     if (object.cell != kNone) {
         count_change(object.cell, kNone);
