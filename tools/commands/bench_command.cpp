@@ -1,6 +1,7 @@
 #include "commands/comparison.h"
 #include "measure/measure.h"
 #include "measure/verify.h"
+#include "replay/replay.h"
 #include "report/table.h"
 
 #include <ostream>
@@ -19,7 +20,46 @@ void take_verdicts(std::span<AlgorithmRun> timed, std::span<const AlgorithmRun> 
     }
 }
 
+// Walks the path once more and writes what `replay` needs.
+Result<bool> record_scene(Session& session, std::span<const Contender> contenders,
+                          std::span<const View> views, const OutputFile& file,
+                          const Streams& streams)
+{
+    std::vector<RunToRecord> runs;
+    for (const Contender& contender : contenders) {
+        const NamedEntry entry = parse_entry(contender.name).value_or(NamedEntry{});
+        std::vector<OptionValue> values = settings_of(entry.name, session.options().sets);
+        values.insert(values.end(), entry.options.begin(), entry.options.end());
+        runs.push_back({contender.name, entry.name, values, contender.hierarchy,
+                        contender.tree != nullptr ? contender.tree : &session.hierarchy()});
+    }
+    Progress progress{streams.err, streams.watcher, "recording " + session.model().name};
+    const auto recording = record(session.stage(), session.model().name, runs, views,
+                                  [&](double share) { progress.show(share); });
+    if (!recording) {
+        return recording.error();
+    }
+    const auto bytes = to_bytes(*recording);
+    return bytes ? OutputFile{file}.commit(*bytes) : Result<bool>{bytes.error()};
+}
+
+Result<std::optional<OutputFile>> open_record(const CompareOptions& options)
+{
+    if (options.record.empty()) {
+        return std::optional<OutputFile>{};
+    }
+    if (options.scenes.size() != 1) {
+        return Error{ErrorCode::invalid_argument, "--record: give one SCENE"};
+    }
+    auto file = OutputFile::open(options.record);
+    if (!file) {
+        return file.error();
+    }
+    return std::optional<OutputFile>{std::move(*file)};
+}
+
 Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions& options,
+                                  const std::optional<OutputFile>& record_file,
                                   const Streams& streams)
 {
     const auto session = Session::open(scene, options.stage, streams.err);
@@ -35,6 +75,10 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
     const auto contenders = contenders_of(**session, options, References::always);
     if (!contenders) {
         return contenders.error();
+    }
+    if (record_file && stage.go_to) {
+        return Error{ErrorCode::unsupported,
+                     "--record: '" + scene + "' moves; recordings hold scenes that stand still"};
     }
     BenchDocument document = describe(**session, options, options.stage.path, views->size());
     {
@@ -57,6 +101,12 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
         }
         take_verdicts(document.runs, *verified);
     }
+    if (record_file) {
+        const auto recorded = record_scene(**session, *contenders, *views, *record_file, streams);
+        if (!recorded) {
+            return recorded.error();
+        }
+    }
     return document;
 }
 
@@ -71,10 +121,14 @@ Result<int> bench_command(const CompareOptions& options, const Streams& streams)
     if (!files) {
         return files.error();
     }
+    const auto record_file = open_record(options);
+    if (!record_file) {
+        return record_file.error();
+    }
     std::vector<BenchDocument> documents;
     int code = kDone;
     for (const std::string& scene : options.scenes) {
-        auto document = bench_scene(scene, options, streams);
+        auto document = bench_scene(scene, options, *record_file, streams);
         if (!document) {
             return document.error();
         }

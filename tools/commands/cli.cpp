@@ -21,8 +21,8 @@ constexpr uint64_t kMaxFrames = 1000000;
 constexpr uint64_t kMaxRepeats = 10000;
 constexpr uint64_t kMaxSamples = 64;
 constexpr uint64_t kMaxTriangles = 0xffffffff;
-constexpr std::array kCommands = {"bench", "verify",   "render", "info",
-                                  "list",  "generate", "convert"};
+constexpr std::array kCommands = {"bench", "verify",   "render",  "info",
+                                  "list",  "generate", "convert", "replay"};
 
 // Options that need more than CLI11's own conversions arrive as text first.
 struct RawStage {
@@ -40,6 +40,16 @@ T value_or_throw(Result<T> result)
         throw CLI::ValidationError{result.error().message};
     }
     return std::move(*result);
+}
+
+// A name that was left out in a script, as in --json "$UNSET", is an error, not "no file".
+CLI::Validator file_name()
+{
+    return CLI::Validator{[](const std::string& text) {
+                              return text.empty() ? std::string{"the file name is empty"}
+                                                  : std::string{};
+                          },
+                          ""};
 }
 
 // `several`: whether --hierarchy takes more than one.
@@ -109,9 +119,15 @@ void add_compare_options(CLI::App& app, RawStage& raw, CompareOptions& compare)
         ->capture_default_str()
         ->check(whole_number(1, kMaxRepeats));
     app.add_flag("--verify", compare.verify, "Compare every frame with the frustum-only image");
-    app.add_option("--json", compare.json, "Write the measurements as JSON")->type_name("FILE");
-    app.add_option("--csv", compare.csv, "Write one row per algorithm as CSV")->type_name("FILE");
-    app.add_option("--html", compare.html, "Write a report for the browser")->type_name("FILE");
+    app.add_option("--json", compare.json, "Write the measurements as JSON")
+        ->type_name("FILE")
+        ->check(file_name());
+    app.add_option("--csv", compare.csv, "Write one row per algorithm as CSV")
+        ->type_name("FILE")
+        ->check(file_name());
+    app.add_option("--html", compare.html, "Write a report for the browser")
+        ->type_name("FILE")
+        ->check(file_name());
 }
 
 void add_suite_options(CLI::App& app, SuiteOptions& suite)
@@ -130,12 +146,14 @@ void add_suite_options(CLI::App& app, SuiteOptions& suite)
         ->group(group);
     app.add_option("--from", suite.from, "Measure nothing: report on the results in FILE")
         ->type_name("FILE")
+        ->check(file_name())
         ->group(group);
     app.add_option(
            "--report", suite.report,
            "Markdown that sets the results beside the published figures (papers; default: " +
                std::string{kDefaultReport} + ")")
         ->type_name("FILE")
+        ->check(file_name())
         ->group(group);
 }
 
@@ -152,7 +170,8 @@ void check_suite_or_scenes(const CLI::App& bench, bool suite)
         "scenes",           "--algorithms", "--hierarchy", "--test",         "--path",
         "--size",           "--msaa",       "--set",       "--frames",       "--leaf-triangles",
         "--item-triangles", "--split",      "--repeat",    "--verify",       "--origin",
-        "--unit",           "--up",         "--strict",    "--load-seconds", "--load-memory"};
+        "--unit",           "--up",         "--strict",    "--load-seconds", "--load-memory",
+        "--record"};
     for (const char* option : suite ? of_scenes : of_suites) {
         if (bench.count(option) > 0) {
             throw CLI::ValidationError{
@@ -180,7 +199,9 @@ void add_render_options(CLI::App& app, RawStage& raw, RenderOptions& render)
             ->check(whole_number(0, kMaxFrames - 1));
     app.add_option("--frames", render.frame_range, "The frames FIRST:LAST to draw into a directory")
         ->excludes(frame);
-    app.add_option("--out", render.out, "FILE.png, or a directory for --frames")->required();
+    app.add_option("--out", render.out, "FILE.png, or a directory for --frames")
+        ->required()
+        ->check(file_name());
     app.add_option("--show", render.show,
                    "visible, hidden, boxes or states (default: visible; overview: states)");
     app.add_option("--camera", render.camera, "path, or overview: from high above")
@@ -212,6 +233,12 @@ public:
             "bench", "Measure algorithms side by side on scenes, or a whole suite of them");
         add_compare_options(*bench_, compare_stage_, compare_);
         add_suite_options(*bench_, suite_);
+        bench_
+            ->add_option("--record", compare_.record,
+                         "Write what 'occlude replay' needs to repeat the run without a graphics "
+                         "card: tree, cameras, draws and answers (one SCENE that stands still)")
+            ->type_name("FILE")
+            ->check(file_name());
         verify_ = app_.add_subcommand(
             "verify", "Compare every culled frame with the frustum-only image; exit code 1 if an "
                       "exact algorithm differs, 3 if nothing was in view or nothing hidden. Walks "
@@ -237,17 +264,34 @@ public:
                          "algorithms, hierarchies, devices, scenes or paths")
             ->required();
         list_->add_option("scene", list_options_.scene, "For paths: the scene whose paths to list");
+        replay_ = app_.add_subcommand(
+            "replay", "Repeat a run that 'bench --record' wrote, without its scene or a graphics "
+                      "card; exit code 1 if an algorithm decides differently");
+        replay_->add_option("file", replay_options_.file, "What 'bench --record' wrote")
+            ->required()
+            ->type_name("FILE");
+        replay_
+            ->add_option("--algorithms", replay_options_.algorithms,
+                         "all, or names of recorded runs between commas")
+            ->capture_default_str();
+        replay_->add_option("--json", replay_options_.json, "Write the outcome as JSON")
+            ->type_name("FILE")
+            ->check(file_name());
         generate_ = app_.add_subcommand("generate", "Write a generated scene as a file");
         generate_->add_option("scene", generate_options_.scene, "A scene of 'occlude list scenes'")
             ->required()
             ->type_name("KIND[:KEY=VALUE,...]");
-        generate_->add_option("--out", generate_options_.out, "FILE.glb")->required();
+        generate_->add_option("--out", generate_options_.out, "FILE.glb")
+            ->required()
+            ->check(file_name());
         convert_ = app_.add_subcommand(
             "convert", "Write the scene of a file as GLB: in metres, +y up, and fast to load");
         convert_->add_option("scene", convert_options_.scene, "A file")
             ->required()
             ->type_name("FILE");
-        convert_->add_option("--out", convert_options_.out, "FILE.glb")->required();
+        convert_->add_option("--out", convert_options_.out, "FILE.glb")
+            ->required()
+            ->check(file_name());
         add_file_options(*convert_, convert_options_.file);
     }
 
@@ -280,6 +324,9 @@ public:
         if (convert_->parsed()) {
             return convert_command(convert_options_, streams);
         }
+        if (replay_->parsed()) {
+            return replay_command(replay_options_, streams);
+        }
         if (generate_->parsed()) {
             return generate_command(generate_options_, streams);
         }
@@ -307,6 +354,7 @@ private:
     CLI::App* list_ = nullptr;
     CLI::App* generate_ = nullptr;
     CLI::App* convert_ = nullptr;
+    CLI::App* replay_ = nullptr;
     RawStage compare_stage_;
     RawStage render_stage_;
     RawStage info_stage_;
@@ -317,6 +365,7 @@ private:
     ListOptions list_options_;
     GenerateOptions generate_options_;
     ConvertOptions convert_options_;
+    ReplayOptions replay_options_;
 };
 
 // The command the user named, if there is such a one; for "see 'occlude X --help'".
@@ -360,7 +409,7 @@ int parse_and_run(int argc, const char* const* argv, const Streams& streams)
 
 } // namespace
 
-int run_program(int argc, const char* const* argv, const Streams& streams)
+static int run_command(int argc, const char* const* argv, const Streams& streams)
 {
     if (argc <= 1 || is_unknown_command(argc, argv)) {
         const std::string problem =
@@ -375,6 +424,16 @@ int run_program(int argc, const char* const* argv, const Streams& streams)
     } catch (const std::exception& error) {
         return fail(streams, fmt::format("unexpected failure: {}", error.what()));
     }
+}
+
+int run_program(int argc, const char* const* argv, const Streams& streams)
+{
+    const int code = run_command(argc, argv, streams);
+    streams.out.flush();
+    if (!streams.out) { // a script that reads the table must not take half of it for all
+        return fail(streams, "cannot write to the standard output; is the disk full?");
+    }
+    return code;
 }
 
 } // namespace occlude::tools

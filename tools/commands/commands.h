@@ -27,6 +27,7 @@ Result<int> render_command(const RenderOptions& options, const Streams& streams)
 Result<int> info_command(const InfoOptions& options, const Streams& streams);
 Result<int> generate_command(const GenerateOptions& options, const Streams& streams);
 Result<int> convert_command(const ConvertOptions& options, const Streams& streams);
+Result<int> replay_command(const ReplayOptions& options, const Streams& streams);
 Result<int> list_command(const ListOptions& options, const Streams& streams);
 
 } // namespace occlude::tools

@@ -58,6 +58,13 @@ struct CompareOptions {
     std::string json;                    ///< file names; empty: not asked for
     std::string csv;
     std::string html;
+    std::string record; ///< bench only
+};
+
+struct ReplayOptions {
+    std::string file;
+    std::string algorithms = "all";
+    std::string json; ///< a file name; empty: not asked for
 };
 
 /// For bench --suite.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -65,6 +66,27 @@ TEST(Cli, WrongCommandsAndOptionsAreRefusedWithWhatWouldWork)
                    {"'9:3'", "FIRST:LAST"});
     expect_refused({"list", "things"}, {"'things'", "algorithms"});
     expect_refused({"list", "devices", scene}, {"paths"});
+}
+
+TEST(Cli, EmptyFileNamesAreRefusedNotTakenForNoFile)
+{
+    const std::string scene = scene_file();
+    for (const char* option : {"--json", "--csv", "--html"}) {
+        expect_refused({"bench", scene, option, ""}, {option, "the file name is empty"});
+    }
+    expect_refused({"render", scene, "--out", ""}, {"--out", "the file name is empty"});
+    expect_refused({"generate", "city", "--out", ""}, {"--out", "the file name is empty"});
+}
+
+TEST(Cli, AFullStandardOutputIsAnErrorWithASentence)
+{
+    for (const char* command : {"--help", "--version", "list"}) {
+        std::ofstream full{"/dev/full"};
+        std::ostringstream err;
+        const std::array argv = {"occlude", command, "algorithms"};
+        EXPECT_EQ(run_program(command[0] == '-' ? 2 : 3, argv.data(), {full, err}), 2) << command;
+        EXPECT_EQ(err.str(), "occlude: cannot write to the standard output; is the disk full?\n");
+    }
 }
 
 TEST(Cli, SettingsMustReachAnAlgorithmThatTakesPart)
