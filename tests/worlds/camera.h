@@ -1,0 +1,30 @@
+// Cameras that look for trouble: cuts, spins, walls grazed, eyes inside of boxes.
+#pragma once
+
+#include "worlds/scene.h"
+#include "worlds/spec.h"
+
+#include <occlude/core/rng.h>
+#include <occlude/core/view.h>
+
+namespace occlude::worlds {
+
+class Camera {
+public:
+    /// The `index`-th of the cameras of this world.
+    Camera(const Spec& spec, const RandomScene& scene, uint32_t index);
+
+    /// The next frame's view.
+    View next(const RandomScene& scene);
+
+private:
+    void choose_place(const RandomScene& scene);
+
+    Spec spec_;
+    Rng rng_;
+    glm::vec3 eye_{0.0f};
+    glm::vec3 target_{0.0f};
+    float fov_y_ = 1.0f;
+};
+
+} // namespace occlude::worlds

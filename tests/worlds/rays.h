@@ -1,0 +1,33 @@
+// A second truth about a picture: Embree's rays through the centres of the pixels. They share no
+// line with our rasteriser, our projection and our boxes.
+#pragma once
+
+#include "worlds/scene.h"
+
+#include <occlude/backends/cpu/cpu_device.h>
+#include <occlude/core/view.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace occlude::worlds {
+
+class Rays {
+public:
+    /// Takes the opaque triangles of the scene as they are now.
+    explicit Rays(const RandomScene& scene);
+    ~Rays();
+    Rays(const Rays&) = delete;
+    Rays& operator=(const Rays&) = delete;
+
+    /// Empty, or which pixel of `picture` shows an item although rays through it say beyond doubt
+    /// that another is nearer. Adds the pixels without doubt to `compared`.
+    std::string disagrees(const View& view, const CpuDevice& picture, uint64_t& compared) const;
+
+private:
+    struct Scene;
+    std::unique_ptr<Scene> scene_;
+};
+
+} // namespace occlude::worlds
