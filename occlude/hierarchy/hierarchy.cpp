@@ -144,11 +144,6 @@ static std::string check_derived(const Hierarchy& hierarchy)
     return {};
 }
 
-Hierarchy::Hierarchy(Hierarchy&& from) noexcept
-{
-    *this = std::move(from);
-}
-
 Hierarchy& Hierarchy::operator=(Hierarchy&& from) noexcept
 {
     if (this == &from) {

@@ -75,7 +75,7 @@ public:
     Hierarchy& operator=(const Hierarchy&) = default;
     /// Leaves `from` empty, with moved_from() true. Cullers keep a reference to their hierarchy:
     /// move it before they are made.
-    Hierarchy(Hierarchy&& from) noexcept;
+    Hierarchy(Hierarchy&& from) noexcept { *this = std::move(from); }
     Hierarchy& operator=(Hierarchy&& from) noexcept;
     ~Hierarchy() = default;
 
