@@ -33,6 +33,7 @@
 //             algorithms draw.
 #pragma once
 
+#include <occlude/core/clock.h>
 #include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/cull_frame.h>
@@ -41,7 +42,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -90,11 +90,10 @@ struct StatisticalOptions {
 
 class Statistical final : public Culler {
 public:
-    /// Seconds since some fixed moment. Asked once per frame.
-    using Clock = std::function<double()>;
-
-    /// Without a clock, time is the number of frames since the last reset over frames_per_second.
-    explicit Statistical(HierarchyRef hierarchy, StatisticalOptions options = {}, Clock clock = {})
+    /// `clock` is asked once per frame. Without one, time is the number of frames since the last
+    /// reset over frames_per_second.
+    explicit Statistical(HierarchyRef hierarchy, StatisticalOptions options = {},
+                         SecondsClock clock = {})
         : Culler(hierarchy)
         , options_(clamped(options))
         , clock_(std::move(clock))
@@ -131,7 +130,7 @@ private:
     void save_statistics(NodeId node, bool visible);
 
     StatisticalOptions options_;
-    Clock clock_;
+    SecondsClock clock_;
     double now_ = 0.0;
     std::vector<Statistics> statistics_;
     NodeList queue_;

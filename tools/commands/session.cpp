@@ -8,7 +8,7 @@
 
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <optional>
 #include <ostream>
