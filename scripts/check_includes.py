@@ -6,7 +6,7 @@
     core <- screen <- effects <- device; core <- screen <- backends/*, conformance   (none sees an algorithm)
     cull <- integration (helpers of whoever integrates the library)
     cull <- c                                         (the C interface)
-    files <- model <- load, walk <- generate ; model <- render <- measure <- report <- suites <- commands
+    files <- model <- load, walk <- generate ; model <- render <- measure <- report <- suites, session <- commands
 
 usage: check_includes.py [ROOT]      ROOT is the repository; by default the one this script is in.
 
@@ -54,9 +54,13 @@ TOOLS_ALLOWED = {
     "report": {"files", "model", "measure", "report"},
     "replay": {"files", "model", "render", "measure", "replay"},
     "suites": {"files", "model", "options", "measure", "report", "suites"},
+    "session": {
+        "files", "model", "load", "walk", "generate", "options", "render", "measure", "report",
+        "session",
+    },
     "commands": {
         "files", "model", "load", "walk", "generate", "options", "render", "measure", "report",
-        "suites", "replay", "commands",
+        "suites", "replay", "session", "commands",
     },
 }  # fmt: skip
 

@@ -1,7 +1,7 @@
 #include "commands/cli.h"
 
 #include "commands/cli_options.h"
-#include "commands/hierarchies.h"
+#include "session/hierarchies.h"
 #include "suites/suite.h"
 
 #include <fmt/format.h>

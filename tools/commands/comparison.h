@@ -2,10 +2,10 @@
 #pragma once
 
 #include "commands/commands.h"
-#include "commands/contenders.h"
-#include "commands/session.h"
 #include "files/output_file.h"
 #include "report/bench_document.h"
+#include "session/contenders.h"
+#include "session/session.h"
 
 #include <occlude/core/result.h>
 

@@ -1,7 +1,7 @@
 #include "commands/commands.h"
-#include "commands/session.h"
 #include "measure/statistics.h"
 #include "report/table.h"
+#include "session/session.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 #include "commands/commands.h"
 
-#include "commands/hierarchies.h"
 #include "generate/scene_source.h"
 #include "report/table.h"
+#include "session/hierarchies.h"
 #include "walk/paths.h"
 
 #include <occlude/cull/registry.h>

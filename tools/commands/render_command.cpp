@@ -1,9 +1,9 @@
 #include "commands/commands.h"
-#include "commands/contenders.h"
-#include "commands/picture.h"
 #include "files/output_file.h"
 #include "render/image.h"
 #include "report/table.h"
+#include "session/contenders.h"
+#include "session/picture.h"
 
 #include <occlude/cull/registry.h>
 

@@ -1,7 +1,7 @@
 // Pictures of what a culler decided in a frame.
 #pragma once
 
-#include "commands/session.h"
+#include "session/session.h"
 
 #include <occlude/cull/culler.h>
 

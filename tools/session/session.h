@@ -1,11 +1,11 @@
 // A scene that is loaded, organised and ready to be drawn.
 #pragma once
 
-#include "commands/hierarchies.h"
 #include "measure/motion_player.h"
 #include "measure/stage.h"
 #include "options/options.h"
 #include "report/bench_document.h"
+#include "session/hierarchies.h"
 
 #include <occlude/core/result.h>
 #include <occlude/scene/two_level_scene.h>

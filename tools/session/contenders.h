@@ -1,10 +1,10 @@
 // From --algorithms and --set to algorithms that can be made.
 #pragma once
 
-#include "commands/hierarchies.h"
 #include "measure/stage.h"
 #include "measure/timing_device.h"
 #include "options/options.h"
+#include "session/hierarchies.h"
 
 #include <occlude/core/result.h>
 

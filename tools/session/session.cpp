@@ -1,4 +1,4 @@
-#include "commands/session.h"
+#include "session/session.h"
 
 #include "generate/scene_source.h"
 #include "measure/timing_device.h"

@@ -1,4 +1,4 @@
-#include "commands/hierarchies.h"
+#include "session/hierarchies.h"
 
 #include <occlude/cull/registry.h>
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>

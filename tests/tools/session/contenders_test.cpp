@@ -1,4 +1,4 @@
-#include "commands/contenders.h"
+#include "session/contenders.h"
 
 #include "support/trees.h"
 

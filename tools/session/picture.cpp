@@ -1,4 +1,5 @@
-#include "commands/picture.h"
+#include "session/picture.h"
+
 #include "model/focus.h"
 #include "walk/paths.h"
 

@@ -1,4 +1,4 @@
-#include "commands/contenders.h"
+#include "session/contenders.h"
 
 #include <occlude/cull/registry.h>
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>
