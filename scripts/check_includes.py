@@ -58,9 +58,13 @@ TOOLS_ALLOWED = {
         "files", "model", "load", "walk", "generate", "options", "render", "measure", "report",
         "session",
     },
+    "viewer": {
+        "files", "model", "load", "walk", "generate", "options", "render", "measure", "report",
+        "session", "viewer",
+    },
     "commands": {
         "files", "model", "load", "walk", "generate", "options", "render", "measure", "report",
-        "suites", "replay", "session", "commands",
+        "suites", "replay", "session", "viewer", "commands",
     },
 }  # fmt: skip
 

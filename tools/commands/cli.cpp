@@ -21,7 +21,7 @@ constexpr uint64_t kMaxFrames = 1000000;
 constexpr uint64_t kMaxRepeats = 10000;
 constexpr uint64_t kMaxSamples = 64;
 constexpr uint64_t kMaxTriangles = 0xffffffff;
-constexpr std::array kCommands = {"bench", "verify",   "render",  "info",
+constexpr std::array kCommands = {"bench", "verify",   "render",  "view",  "info",
                                   "list",  "generate", "convert", "replay"};
 
 // Options that need more than CLI11's own conversions arrive as text first.
@@ -208,6 +208,29 @@ void add_render_options(CLI::App& app, RawStage& raw, RenderOptions& render)
         ->capture_default_str();
 }
 
+void add_view_options(CLI::App& app, RawStage& raw, ViewOptions& view)
+{
+    app.add_option("scene", view.scene,
+                   "A file, or a scene of 'occlude list scenes'; without one, drop a file")
+        ->type_name("SCENE");
+    app.add_option("--algorithm", view.algorithm,
+                   "The algorithm that culls at first (default: that of the last time)");
+    add_stage_options(app, raw, false);
+    app.add_option("--path-frames", raw.stage.frames, "Frames of the whole path")
+        ->capture_default_str()
+        ->check(whole_number(1, kMaxFrames));
+    app.add_option("--scale", view.scale,
+                   "Size of panels; 1 is 96 dots per inch (default: the "
+                   "screen's)")
+        ->check(CLI::Range(0.5f, 4.0f));
+    app.add_flag("--headless", view.headless, "Without a window; ends after --frames or --script");
+    app.add_option("--frames", view.frames, "Ends after so many frames")
+        ->check(whole_number(1, kMaxFrames));
+    app.add_option("--screenshot", view.screenshot, "Write the last frame of the window")
+        ->type_name("FILE.png");
+    app.add_option("--script", view.script, "Play the inputs in FILE, then end")->type_name("FILE");
+}
+
 // Turns what came as text into options. Throws CLI::ValidationError.
 StageOptions finish_stage(const RawStage& raw, const CLI::App& app)
 {
@@ -250,6 +273,8 @@ public:
                           "Exit with 0 though nothing is hidden in any frame");
         render_ = app_.add_subcommand("render", "Draw culled frames as PNG");
         add_render_options(*render_, render_stage_, render_options_);
+        view_ = app_.add_subcommand("view", "Look at culling in an interactive viewer");
+        add_view_options(*view_, view_stage_, view_options_);
         info_ = app_.add_subcommand("info",
                                     "Say what is in a scene and whether culling is likely to pay");
         info_->add_option("scene", info_options_.scene, "A file or a generated scene")
@@ -317,6 +342,13 @@ public:
             render_options_.stage = finish_stage(render_stage_, *render_);
             return render_command(render_options_, streams);
         }
+        if (view_->parsed()) {
+            view_options_.stage = finish_stage(view_stage_, *view_);
+            if (view_->count("--size") > 0) {
+                view_options_.size = view_options_.stage.size;
+            }
+            return view_command(view_options_, streams);
+        }
         if (info_->parsed()) {
             info_options_.stage = finish_stage(info_stage_, *info_);
             return info_command(info_options_, streams);
@@ -350,6 +382,7 @@ private:
     CLI::App* bench_ = nullptr;
     CLI::App* verify_ = nullptr;
     CLI::App* render_ = nullptr;
+    CLI::App* view_ = nullptr;
     CLI::App* info_ = nullptr;
     CLI::App* list_ = nullptr;
     CLI::App* generate_ = nullptr;
@@ -357,10 +390,12 @@ private:
     CLI::App* replay_ = nullptr;
     RawStage compare_stage_;
     RawStage render_stage_;
+    RawStage view_stage_;
     RawStage info_stage_;
     CompareOptions compare_;
     RenderOptions render_options_;
     SuiteOptions suite_;
+    ViewOptions view_options_;
     InfoOptions info_options_;
     ListOptions list_options_;
     GenerateOptions generate_options_;

@@ -24,6 +24,7 @@ Result<int> bench_command(const CompareOptions& options, const Streams& streams)
 Result<int> suite_command(const SuiteOptions& options, const Streams& streams);
 Result<int> verify_command(const CompareOptions& options, const Streams& streams);
 Result<int> render_command(const RenderOptions& options, const Streams& streams);
+Result<int> view_command(const ViewOptions& options, const Streams& streams);
 Result<int> info_command(const InfoOptions& options, const Streams& streams);
 Result<int> generate_command(const GenerateOptions& options, const Streams& streams);
 Result<int> convert_command(const ConvertOptions& options, const Streams& streams);

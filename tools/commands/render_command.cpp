@@ -86,7 +86,7 @@ void print_legend(const Session& session, const Culler& culler, size_t frame, st
     std::vector<std::vector<std::string>> rows;
     for (const StateColor& state : state_colors()) {
         const auto count = std::count(decisions.begin(), decisions.end(), state.decision);
-        rows.push_back({std::string{to_string(state.decision)}, std::string{state.color_name},
+        rows.push_back({std::string{to_string(state.decision)}, std::string{state.color.name},
                         grouped(static_cast<uint64_t>(count)) + " items"});
     }
     out << "frame " << frame << '\n' << align_columns(rows);

@@ -94,6 +94,19 @@ struct RenderOptions {
     std::string camera = "path";
 };
 
+/// For the interactive viewer. Of the stage's options, the size is that of the window.
+struct ViewOptions {
+    StageOptions stage;
+    std::string scene; ///< empty: none yet
+    std::string algorithm;
+    bool headless = false;
+    std::optional<size_t> frames; ///< ends after so many
+    std::optional<glm::ivec2> size;
+    std::optional<float> scale; ///< of panels
+    std::string screenshot;     ///< of the last frame; empty: none
+    std::string script;
+};
+
 struct InfoOptions {
     StageOptions stage;
     std::string scene;

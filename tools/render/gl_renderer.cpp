@@ -58,7 +58,7 @@ struct Programs {
     }
 };
 
-class GlRenderer final : public SceneRenderer, private GlScene {
+class GlRenderer final : public SceneRenderer, public GlPictureSource, private GlScene {
 public:
     static Result<std::unique_ptr<SceneRenderer>> create(const SceneModel& model,
                                                          std::span<const SceneModel::Item> items,
@@ -81,9 +81,10 @@ public:
                     bool on_top) override;
     void update_transforms(std::span<const glm::mat4> world_from_mesh) override;
     void update_items(std::span<const SceneModel::Item> items) override;
+    void copy_color_to(unsigned framebuffer) override;
 
 private:
-    GlRenderer(std::unique_ptr<HeadlessContext> context, const SceneModel& model,
+    GlRenderer(std::shared_ptr<GlContext> context, const SceneModel& model,
                std::span<const SceneModel::Item> items, int gl_version);
     void find_translucent(std::span<const SceneModel::Item> items);
     Result<bool> make_parts(glm::ivec2 size, int samples, const GlRendererOptions& options);
@@ -103,7 +104,7 @@ private:
     void set_view(const View& view);
     void use_camera(const GlProgram& program) const;
 
-    std::unique_ptr<HeadlessContext> context_; // first: everything below dies in it
+    std::shared_ptr<GlContext> context_; // first: everything below dies in it
     const SceneModel& model_;
     int gl_version_ = 0;
     glm::vec3 toward_light_{0.0f, 1.0f, 0.0f};
@@ -120,7 +121,7 @@ private:
     GlGeometry::Rows rows_ = GlGeometry::Rows::instance;
 };
 
-GlRenderer::GlRenderer(std::unique_ptr<HeadlessContext> context, const SceneModel& model,
+GlRenderer::GlRenderer(std::shared_ptr<GlContext> context, const SceneModel& model,
                        std::span<const SceneModel::Item> items, int gl_version)
     : context_(std::move(context))
     , model_(model)
@@ -184,13 +185,17 @@ Result<std::unique_ptr<SceneRenderer>> GlRenderer::create(const SceneModel& mode
                                                           glm::ivec2 size, int samples,
                                                           const GlRendererOptions& options)
 {
-    auto context = HeadlessContext::create();
-    if (!context) {
-        return context.error();
+    std::shared_ptr<GlContext> context = options.context;
+    if (context == nullptr) {
+        auto made = make_headless_gl_context();
+        if (!made) {
+            return made.error();
+        }
+        context = std::move(*made);
     }
+    context->make_current();
     const int version = std::min(epoxy_gl_version(), options.max_gl_version);
-    std::unique_ptr<GlRenderer> renderer(
-        new GlRenderer(std::move(*context), model, items, version));
+    std::unique_ptr<GlRenderer> renderer(new GlRenderer(std::move(context), model, items, version));
     Result<bool> made = renderer->make_parts(size, samples, options);
     if (!made) {
         return made.error();
@@ -423,6 +428,12 @@ void GlRenderer::draw_lines(const View& view, std::span<const glm::vec3> points,
     const size_t offset = write_or_throw(line_points_, std::as_bytes(points));
     glDrawArrays(GL_LINES, static_cast<GLint>(offset / sizeof(glm::vec3)),
                  static_cast<GLsizei>(points.size()));
+}
+
+void GlRenderer::copy_color_to(unsigned framebuffer)
+{
+    context_->make_current();
+    target_.copy_color_to(framebuffer);
 }
 
 void GlRenderer::update_transforms(std::span<const glm::mat4> world_from_mesh)

@@ -1,13 +1,13 @@
 // The program's OpenGL renderer, with its own surfaceless context.
 #pragma once
 
+#include "render/gl_context.h"
 #include "render/gl_geometry.h"
 #include "render/gl_target.h"
 #include "render/scene_renderer.h"
 
 #include <occlude/backends/gl/gl_device.h>
 #include <occlude/backends/gl/gl_scene.h>
-#include <occlude/backends/gl/headless_context.h>
 #include <occlude/core/result.h>
 
 #include <memory>
@@ -19,6 +19,18 @@ struct GlRendererOptions {
     /// Use nothing newer than this version of OpenGL (10 * major + minor): 33 takes the oldest
     /// path.
     int max_gl_version = 99;
+    /// The context to draw in, shared with whoever shows the pictures; null: one without a window.
+    std::shared_ptr<GlContext> context = {};
+};
+
+/// What a renderer with OpenGL is besides a SceneRenderer: a source of pictures for others in its
+/// context.
+class GlPictureSource {
+public:
+    virtual ~GlPictureSource() = default;
+    /// Copies the colours of the last frame into a framebuffer object of the same size. Binds
+    /// framebuffers, and nothing else changes.
+    virtual void copy_color_to(unsigned framebuffer) = 0;
 };
 
 /// make_gl_renderer() with options. The renderer belongs to the thread that made it. Several may

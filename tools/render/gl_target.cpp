@@ -172,4 +172,15 @@ Capture GlTarget::capture(GlDepthReader& reader) const
     return capture;
 }
 
+void GlTarget::copy_color_to(GLuint framebuffer) const
+{
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, main_.framebuffer.name());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+    glDisable(GL_SCISSOR_TEST); // a blit obeys it
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glBlitFramebuffer(0, 0, size_.x, size_.y, 0, 0, size_.x, size_.y, GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
+    bind();
+}
+
 } // namespace occlude::tools

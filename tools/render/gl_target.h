@@ -34,6 +34,9 @@ public:
     /// Resolved colour and depth. Changes the state that GlDepthReader::read names.
     Capture capture(GlDepthReader& reader) const;
 
+    /// Copies the resolved colours to a framebuffer of the same size and leaves the target bound.
+    void copy_color_to(GLuint framebuffer) const;
+
 private:
     struct Attachments {
         GlFramebuffer framebuffer;

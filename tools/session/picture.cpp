@@ -14,18 +14,8 @@ namespace occlude::tools {
 
 namespace {
 
-constexpr std::array<StateColor, 8> kStateColors = {{
-    {Decision::undecided, "light grey", {0.75f, 0.75f, 0.75f, 1.0f}},
-    {Decision::outside, "dark grey", {0.18f, 0.18f, 0.20f, 1.0f}},
-    {Decision::hidden, "red", {0.85f, 0.12f, 0.10f, 1.0f}},
-    {Decision::hidden_group, "purple", {0.60f, 0.15f, 0.75f, 1.0f}},
-    {Decision::drawn, "green", {0.20f, 0.70f, 0.20f, 1.0f}},
-    {Decision::drawn_near, "yellow", {0.95f, 0.85f, 0.15f, 1.0f}},
-    {Decision::drawn_tested, "cyan", {0.15f, 0.75f, 0.80f, 1.0f}},
-    {Decision::drawn_revealed, "orange", {0.95f, 0.50f, 0.10f, 1.0f}},
-}};
-constexpr glm::vec4 kFrustumColor{1.0f, 1.0f, 1.0f, 1.0f};
-constexpr glm::vec4 kHiddenTint = kStateColors[static_cast<size_t>(Decision::hidden)].color;
+constexpr glm::vec4 kFrustumColor = palette::kWhite.color;
+constexpr glm::vec4 kHiddenTint = linear_color(state_color(Decision::hidden).color.color);
 
 // The corners of an edge differ in one bit: bit 0 is x, bit 1 is y, bit 2 is z.
 std::array<glm::vec3, 24> edges_of(const std::array<glm::vec3, 8>& corners)
@@ -70,8 +60,8 @@ uint32_t mixed(uint32_t below, uint32_t above)
 void shine_through(Session& session, const View& view, std::span<const ItemId> items, Image& image)
 {
     const Stage stage = session.stage();
-    const std::vector<glm::vec4> red(stage.item_bounds.size(), kHiddenTint);
-    stage.renderer.set_item_colors(red);
+    const std::vector<glm::vec4> tints(stage.item_bounds.size(), kHiddenTint);
+    stage.renderer.set_item_colors(tints);
     stage.renderer.render(view, items);
     const Image tinted = stage.renderer.capture().color;
     stage.renderer.set_item_colors({});
@@ -88,7 +78,7 @@ std::vector<glm::vec4> colors_by_state(const Culler& culler, size_t item_count)
     std::vector<glm::vec4> colors;
     colors.reserve(item_count);
     for (const Decision decision : item_decisions(culler, item_count)) {
-        colors.push_back(kStateColors[static_cast<size_t>(decision)].color);
+        colors.push_back(linear_color(state_color(decision).color.color));
     }
     return colors;
 }
@@ -107,7 +97,8 @@ void draw_decided_boxes(Session& session, const Culler& culler, const View& view
         }
         if (!points.empty()) {
             // Hidden boxes are behind something by definition: only on top can they be seen.
-            session.renderer().draw_lines(view, points, state.color, !is_drawn(state.decision));
+            session.renderer().draw_lines(view, points, state.color.color,
+                                          !is_drawn(state.decision));
         }
     }
 }
@@ -130,11 +121,6 @@ void draw_items_for(Session& session, const Culler& culler, const View& view, Sh
 }
 
 } // namespace
-
-std::span<const StateColor> state_colors()
-{
-    return kStateColors;
-}
 
 std::vector<Decision> item_decisions(const Culler& culler, size_t item_count)
 {

@@ -1,6 +1,7 @@
 // Pictures of what a culler decided in a frame.
 #pragma once
 
+#include "render/palette.h"
 #include "session/session.h"
 
 #include <occlude/cull/culler.h>
@@ -11,20 +12,11 @@ namespace occlude::tools {
 
 enum class Show {
     visible, ///< the items drawn, in their own colours
-    hidden,  ///< ... with the hidden items in red shining through
+    hidden,  ///< ... with the hidden items shining through in the colour of Decision::hidden
     boxes,   ///< ... with the boxes of the nodes that were decided
     states,  ///< every item in the colour of its decision
 };
 enum class CameraChoice { path, overview };
-
-/// One line of the legend.
-struct StateColor {
-    Decision decision;
-    std::string_view color_name;
-    glm::vec4 color;
-};
-/// Every decision with its colour, in the order of the enum.
-std::span<const StateColor> state_colors();
 
 /// The decision of every item, indexed by ItemId, also for cullers that decide for items rather
 /// than nodes: what they drew counts as drawn.

@@ -4,6 +4,7 @@
 #include "measure/timing_device.h"
 #include "model/exact_split.h"
 #include "model/scene_options.h"
+#include "render/gl_renderer.h"
 #include "walk/paths.h"
 
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>
@@ -113,7 +114,15 @@ Session::Session(SceneModel model, const StageOptions& options,
 {
     const SecondsClock clock = steady_seconds_clock();
     const double start = clock();
-    for (const HierarchyChoice& choice : trees) {
+    build_trees(trees);
+    preparation_.hierarchy_seconds = clock() - start;
+    preparation_.uncut_triangles = model_.uncut_triangles;
+}
+
+void Session::build_trees(std::span<const HierarchyChoice> choices)
+{
+    trees_.clear();
+    for (const HierarchyChoice& choice : choices) {
         auto tree = std::make_unique<Tree>();
         tree->choice = choice;
         if (choice.kind == kTwoLevel) { // knows of objects, not only of items
@@ -124,8 +133,59 @@ Session::Session(SceneModel model, const StageOptions& options,
         }
         trees_.push_back(std::move(tree));
     }
-    preparation_.hierarchy_seconds = clock() - start;
-    preparation_.uncut_triangles = model_.uncut_triangles;
+}
+
+Result<bool> Session::use_hierarchies(const std::string& text, const std::vector<std::string>& sets)
+{
+    const auto choices = choose_hierarchies(text, sets);
+    if (!choices) {
+        return choices.error();
+    }
+    options_.hierarchy = text;
+    options_.sets = sets;
+    motion_.reset();
+    moving_trees_.reset();
+    scene_ = make_cull_scene(model_); // a motion begins with every object in its place
+    build_trees(*choices);
+    renderer_->update_items(scene_.items);
+    make_motion();
+    return true;
+}
+
+Result<bool> Session::use_test(const std::string& method)
+{
+    const auto known = test_method(method);
+    if (!known) {
+        return Error{ErrorCode::unsupported,
+                     fmt::format("--test: '{}' is not available in this version; choose queries, "
+                                 "raster or pyramid",
+                                 method)};
+    }
+    const std::string before = std::exchange(options_.test, method);
+    auto chosen = choose_test();
+    if (!chosen) {
+        options_.test = before;
+    }
+    return chosen;
+}
+
+Result<bool> Session::resize(glm::ivec2 size)
+{
+    auto resized = renderer_->resize(size, options_.samples);
+    if (resized) {
+        options_.size = size;
+    }
+    return resized;
+}
+
+SceneModel& Session::editable_model()
+{
+    if (model_.motion.empty()) {
+        model_.motion.box = world_bounds(model_);
+        model_.motion.instances.resize(model_.instances.size());
+        make_motion();
+    }
+    return model_;
 }
 
 Preparation Session::preparation() const
@@ -213,11 +273,12 @@ Result<bool> Session::choose_test()
     return true;
 }
 
-Result<bool> Session::make_renderer(std::ostream& notes)
+Result<bool> Session::make_renderer(std::shared_ptr<GlContext> context, std::ostream& notes)
 {
     device_name_ = options_.device.value_or("gl");
     if (device_name_ == "gl") {
-        auto renderer = make_gl_renderer(model_, scene_.items, options_.size, options_.samples);
+        auto renderer = make_gl_renderer(model_, scene_.items, options_.size, options_.samples,
+                                         {.context = std::move(context)});
         if (renderer) {
             renderer_ = std::move(*renderer);
             return choose_test();
@@ -237,16 +298,12 @@ Result<bool> Session::make_renderer(std::ostream& notes)
     return choose_test();
 }
 
-Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
-                                               const StageOptions& options, std::ostream& notes)
+Result<SceneModel> Session::load(const std::string& scene, const StageOptions& options)
 {
     if (const auto checked = check_stage_options(options); !checked) {
         return checked.error();
     }
-    const SecondsClock clock = steady_seconds_clock();
-    const double start = clock();
     auto model = load_scene(scene, scene_options(options));
-    const double load_seconds = clock() - start;
     if (!model) {
         return model.error();
     }
@@ -268,13 +325,45 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
             return movers.error();
         }
     }
-    std::unique_ptr<Session> session{new Session{
-        std::move(*model), options, *choose_hierarchies(options.hierarchy, options.sets)}};
-    session->preparation_.load_seconds = load_seconds;
-    if (const auto made = session->make_renderer(notes); !made) {
+    return model;
+}
+
+Result<std::unique_ptr<Session>> Session::prepare(SceneModel model, const StageOptions& options)
+{
+    const auto trees = choose_hierarchies(options.hierarchy, options.sets);
+    if (!trees) {
+        return trees.error();
+    }
+    return std::unique_ptr<Session>{new Session{std::move(model), options, *trees}};
+}
+
+Result<bool> Session::start(std::shared_ptr<GlContext> context, std::ostream& notes)
+{
+    if (const auto made = make_renderer(std::move(context), notes); !made) {
         return made.error();
     }
-    session->make_motion();
+    make_motion();
+    return true;
+}
+
+Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
+                                               const StageOptions& options, std::ostream& notes)
+{
+    const SecondsClock clock = steady_seconds_clock();
+    const double start = clock();
+    auto model = load(scene, options);
+    const double load_seconds = clock() - start;
+    if (!model) {
+        return model.error();
+    }
+    auto session = prepare(std::move(*model), options);
+    if (!session) {
+        return session.error();
+    }
+    (*session)->preparation_.load_seconds = load_seconds;
+    if (const auto started = (*session)->start(nullptr, notes); !started) {
+        return started.error();
+    }
     return session;
 }
 

@@ -4,6 +4,7 @@
 #include "measure/motion_player.h"
 #include "measure/stage.h"
 #include "options/options.h"
+#include "render/gl_context.h"
 #include "report/bench_document.h"
 #include "session/hierarchies.h"
 
@@ -21,6 +22,25 @@ public:
     /// what the user should know (a fallback to the CPU). Errors name the thing and the remedy.
     static Result<std::unique_ptr<Session>> open(const std::string& scene,
                                                  const StageOptions& options, std::ostream& notes);
+
+    /// The parts of open(), for programs that load in another thread. load() and prepare() touch no
+    /// renderer; start() belongs to the thread that will draw. `context` is the one to draw in with
+    /// OpenGL; null: one without a window.
+    static Result<SceneModel> load(const std::string& scene, const StageOptions& options);
+    static Result<std::unique_ptr<Session>> prepare(SceneModel model, const StageOptions& options);
+    Result<bool> start(std::shared_ptr<GlContext> context, std::ostream& notes);
+
+    /// Builds other trees instead of those there are: no culler of the old ones may be used again.
+    /// On an error nothing changes.
+    Result<bool> use_hierarchies(const std::string& text, const std::vector<std::string>& sets);
+    /// Another method of testing boxes: "queries", "raster" or "pyramid".
+    Result<bool> use_test(const std::string& method);
+    /// Another size of the target and of views.
+    Result<bool> resize(glm::ivec2 size);
+    /// The model, so that instances can be moved (world_from_mesh) or made to vanish (motion); the
+    /// next set_frame() of the stage takes it over. A scene in which nothing moves gets a motion in
+    /// which everything stands still. Neither instances nor meshes may come or go.
+    SceneModel& editable_model();
 
     const SceneModel& model() const { return model_; }
     const CullScene& scene() const { return scene_; }
@@ -60,7 +80,8 @@ private:
     };
 
     Session(SceneModel model, const StageOptions& options, std::span<const HierarchyChoice> trees);
-    Result<bool> make_renderer(std::ostream& notes);
+    void build_trees(std::span<const HierarchyChoice> choices);
+    Result<bool> make_renderer(std::shared_ptr<GlContext> context, std::ostream& notes);
     Result<bool> choose_test();
     TwoLevelOptions options_of_two_level(const HierarchyChoice& choice) const;
     void make_motion();

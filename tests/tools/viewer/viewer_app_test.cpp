@@ -1,0 +1,303 @@
+// The whole viewer without a window: panels, input and pictures.
+#ifdef OCCLUDE_VIEWER
+
+#include "tools/temp_folder.h"
+#include "viewer/ui/app.h"
+#include "viewer/ui/run_viewer.h"
+
+#include <occlude/core/rng.h>
+#include <occlude/cull/registry.h>
+#include <occlude/hierarchy/builders/hierarchy_kinds.h>
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace occlude::tools::viewer {
+
+namespace {
+
+constexpr const char* kScene = "city:blocks=4,triangles=60k,seed=3";
+
+// An app without a window, its scene loaded.
+class InTheApp : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        ImGui::CreateContext();
+        auto window = open_headless_window({800, 480});
+        ASSERT_TRUE(window) << window.error().message;
+        StageOptions options;
+        options.frames = 40;
+        app_ = std::make_unique<App>(std::move(*window), options, Settings{}, 0.0f, true);
+    }
+    void TearDown() override
+    {
+        app_.reset();
+        ImGui::DestroyContext();
+    }
+    void open(const std::string& scene)
+    {
+        app_->viewer().open(scene);
+        while (app_->viewer().loader().loading()) {
+            frames(1);
+            std::this_thread::sleep_for(std::chrono::milliseconds{1});
+        }
+        ASSERT_NE(app_->viewer().session(), nullptr) << app_->viewer().state().message;
+    }
+    void frames(int count)
+    {
+        for (int i = 0; i < count; ++i) {
+            app_->frame(1.0 / 60.0);
+        }
+    }
+    void press(int code, bool control = false)
+    {
+        for (const bool down : {true, false}) {
+            app_->window().feed(
+                {.kind = InputEvent::Kind::key, .code = code, .down = down, .control = control});
+            frames(1);
+        }
+    }
+
+    std::unique_ptr<App> app_;
+};
+
+// Switches one thing at random.
+void switch_something(Viewer& viewer, Rng& rng)
+{
+    const auto pick = [&](size_t count) { return rng.below(static_cast<uint32_t>(count)); };
+    ViewerState& state = viewer.state();
+    switch (pick(12)) {
+    case 0:
+    case 1:
+        viewer.choose_algorithm(pick(2), algorithms()[pick(algorithms().size())].name);
+        break;
+    case 2: {
+        Pane& pane = viewer.pane(0);
+        const auto& options = find_algorithm(pane.algorithm())->options;
+        if (!options.empty()) { // the values that every kind of option takes
+            const OptionInfo& option = options[pick(options.size())];
+            const bool flag = option.default_value == "true" || option.default_value == "false";
+            pane.set_option(option.name,
+                            flag ? (pick(2) == 0 ? "true" : "false") : option.default_value);
+        }
+        break;
+    }
+    case 3:
+        viewer.choose_hierarchy(
+            std::string{hierarchy_kinds()[pick(hierarchy_kinds().size())].name});
+        break;
+    case 4:
+        viewer.choose_test(std::array{"queries", "raster", "pyramid"}[pick(3)]);
+        break;
+    case 5:
+        state.picture.fill = static_cast<Fill>(pick(kFillNames.size()));
+        break;
+    case 6: {
+        const size_t overlay = pick(kOverlayCount);
+        state.picture.overlays.on[overlay] = !state.picture.overlays.on[overlay];
+        break;
+    }
+    case 7:
+        viewer.pick({static_cast<int>(pick(400)), static_cast<int>(pick(400))});
+        break;
+    default: {
+        const auto bindings = key_bindings();
+        const Command command = bindings[pick(bindings.size())].command;
+        const bool writes_files = command == Command::screenshot || command == Command::quit ||
+                                  command == Command::toggle_trace_recording ||
+                                  command == Command::toggle_path_recording;
+        if (!writes_files) {
+            viewer.execute(command);
+        }
+    }
+    }
+}
+
+TEST_F(InTheApp, ARandomWalkOverEverythingNeverFailsAndStaysExact)
+{
+    constexpr int kFrames = 400;
+    constexpr uint64_t kSeed = 20;
+    SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+    open(kScene);
+    Rng rng{kSeed};
+    Viewer& viewer = app_->viewer();
+    std::set<std::string> seen;
+    for (int i = 0; i < kFrames; ++i) {
+        switch_something(viewer, rng);
+        if (i % 50 == 0) {
+            viewer.state().time.paused = false;
+            viewer.state().picture.flare = false; // a flare's own tests are no part of the image
+            viewer.execute(Command::check_exactness);
+        }
+        viewer.look({0.02f, 0.0f}, false);
+        frames(1);
+        seen.insert(viewer.pane(0).algorithm());
+        ASSERT_EQ(app_->gl_errors(), 0u) << "frame " << i << ", " << viewer.pane(0).algorithm();
+    }
+    EXPECT_EQ(viewer.state().checked_frames, kFrames / 50u);
+    EXPECT_EQ(viewer.state().wrong_frames, 0u) << viewer.state().message;
+    EXPECT_GE(seen.size(), 6u) << "the walk must meet many algorithms to prove anything";
+}
+
+TEST_F(InTheApp, FreezingKeepsTheCullingCameraWhileTheObserverWalks)
+{
+    open(kScene);
+    frames(2);
+    Viewer& viewer = app_->viewer();
+    press('F');
+    const glm::mat4 frozen = viewer.culling_view().clip_from_world();
+    app_->window().feed({.kind = InputEvent::Kind::key, .code = 'W', .down = true});
+    frames(5);
+    app_->window().feed({.kind = InputEvent::Kind::key, .code = 'W', .down = false});
+    frames(1);
+    EXPECT_EQ(viewer.culling_view().clip_from_world(), frozen);
+    EXPECT_NE(viewer.shown_view().clip_from_world(), frozen);
+    press('F');
+    EXPECT_EQ(viewer.culling_view().clip_from_world(), viewer.shown_view().clip_from_world());
+}
+
+TEST_F(InTheApp, AKeyChangesThePictureInTheSameFrame)
+{
+    open(kScene);
+    frames(3);
+    const Image before = app_->screenshot();
+    app_->window().feed({.kind = InputEvent::Kind::key, .code = 262, .down = true}); // right
+    frames(1);
+    uint64_t changed = 0;
+    const Image after = app_->screenshot();
+    for (int y = 100; y < 400; ++y) { // of the picture's own pixels
+        for (int x = 310; x < 440; ++x) {
+            const auto at = static_cast<size_t>(y) * 800 + static_cast<size_t>(x);
+            changed += before.pixels[at] != after.pixels[at] ? 1 : 0;
+        }
+    }
+    EXPECT_GT(changed, 100u);
+}
+
+TEST_F(InTheApp, TwoExactAlgorithmsDifferNowhere)
+{
+    open(kScene);
+    Viewer& viewer = app_->viewer();
+    viewer.choose_algorithm(0, "chc_plus_plus");
+    viewer.choose_algorithm(1, "frustum");
+    viewer.state().picture.difference = true;
+    frames(4);
+    const Image difference = viewer.difference().read();
+    const Image left = viewer.canvas(0).read();
+    ASSERT_FALSE(difference.pixels.empty());
+    EXPECT_EQ(left.pixels, viewer.canvas(1).read().pixels);
+    for (const uint32_t pixel : difference.pixels) { // grey where both agree
+        const uint32_t red = pixel & 0xffu;
+        const uint32_t green = (pixel >> 8) & 0xffu;
+        ASSERT_EQ(red, green);
+    }
+}
+
+TEST_F(InTheApp, AnObjectIsDeletedBroughtBackAndCopied)
+{
+    open(kScene);
+    frames(2);
+    Viewer& viewer = app_->viewer();
+    const auto found = viewer.find_by_name("building");
+    ASSERT_TRUE(found) << "the city names its buildings";
+    viewer.select(found);
+    frames(1);
+    const size_t objects = viewer.session()->scene().scene.object_count();
+    viewer.execute(Command::delete_object);
+    frames(2);
+    EXPECT_EQ(viewer.session()->scene().scene.object_count(), objects - 1);
+    viewer.execute(Command::delete_object);
+    frames(2);
+    EXPECT_EQ(viewer.session()->scene().scene.object_count(), objects);
+    viewer.execute(Command::duplicate_object);
+    frames(2);
+    EXPECT_EQ(viewer.session()->scene().scene.object_count(), objects + 1);
+    viewer.execute(Command::check_exactness);
+    frames(1);
+    EXPECT_EQ(viewer.state().wrong_frames, 0u);
+    EXPECT_EQ(viewer.state().checked_frames, 1u);
+}
+
+TEST_F(InTheApp, AFileThatCannotBeReadLeavesTheOldScene)
+{
+    open(kScene);
+    app_->window().feed({.kind = InputEvent::Kind::drop, .text = "/nowhere/none.glb"});
+    frames(1);
+    while (app_->viewer().loader().loading()) {
+        frames(1);
+        std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    }
+    frames(1);
+    EXPECT_NE(app_->viewer().session(), nullptr);
+    EXPECT_TRUE(app_->viewer().state().message_is_error);
+    EXPECT_NE(app_->viewer().state().message.find("none.glb"), std::string::npos);
+}
+
+TEST_F(InTheApp, LoadingCanBeCancelled)
+{
+    open(kScene);
+    const Session* before = app_->viewer().session();
+    app_->viewer().open("city:blocks=8,triangles=400k");
+    frames(1);
+    app_->viewer().loader().cancel();
+    frames(3);
+    EXPECT_FALSE(app_->viewer().loader().loading());
+    EXPECT_EQ(app_->viewer().session(), before);
+}
+
+// Plays a script from a file of the tests' temporary folder.
+Result<bool> play(const std::string& script, glm::ivec2 size, std::string* out = nullptr)
+{
+    const TempFolder folder;
+    const std::string file = folder.path("script.txt");
+    std::ofstream{file} << script;
+    ViewOptions options;
+    options.scene = kScene;
+    options.headless = true;
+    options.size = size;
+    options.script = file;
+    std::ostringstream stream;
+    auto result = run_viewer(options, stream);
+    if (out != nullptr) {
+        *out = stream.str();
+    }
+    return result;
+}
+
+TEST(ViewScript, KeysAndClicksReachPanelsAndPicture)
+{
+    std::string out;
+    const auto played = play("wait-loaded\nwait 3\n"
+                             "assert-text F1: keys\n"
+                             "key F1\nwait 2\nassert-text list the keys\n"
+                             "key escape\nwait 2\nassert-no-text list the keys\n"
+                             "click \"Report\"\nwait 3\nassert-text Exact: every pixel\n"
+                             "key F\nwait 2\nassert-text culling camera frozen\n"
+                             "click \"pause\"\nwait 2\nassert-text paused\n"
+                             "key T\nwait 2\nassert-text frustum\n"
+                             "key ctrl+F\nwait 2\ntype building\nkey enter\nwait 3\n"
+                             "assert-text Chain of nodes\n",
+                             {1280, 720}, &out);
+    EXPECT_TRUE(played) << played.error().message;
+    EXPECT_NE(out.find("frames"), std::string::npos);
+}
+
+TEST(ViewScript, AnAssertionThatDoesNotHoldNamesItsLineAndWhatIsShown)
+{
+    const auto played = play("wait-loaded\nwait 2\nassert-text no such words\n", {900, 600});
+    ASSERT_FALSE(played);
+    EXPECT_NE(played.error().message.find("line 3"), std::string::npos);
+    EXPECT_NE(played.error().message.find("algorithm"), std::string::npos)
+        << played.error().message;
+}
+
+} // namespace
+
+} // namespace occlude::tools::viewer
+
+#endif

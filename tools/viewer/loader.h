@@ -1,0 +1,41 @@
+// Loads a scene beside the program, so that the window goes on living.
+#pragma once
+
+#include "measure/timing_device.h"
+#include "options/options.h"
+#include "session/session.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace occlude::tools::viewer {
+
+class Loader {
+public:
+    using Loaded = Result<std::unique_ptr<Session>>;
+
+    /// Starts to load in a thread of its own; what was loading before is given up.
+    void start(const std::string& scene, const StageOptions& options);
+    /// Gives up: nothing will come. The thread ends by itself when it has done what it does.
+    void cancel();
+
+    bool loading() const { return job_ != nullptr; }
+    const std::string& scene() const { return scene_; }
+    /// "reading the scene" or "building the hierarchy".
+    std::string phase() const;
+    double seconds() const;
+
+    /// What was loaded, once; without a renderer yet (Session::start).
+    std::optional<Loaded> poll();
+
+private:
+    struct Job;
+
+    std::shared_ptr<Job> job_;
+    std::string scene_;
+    double started_s_ = 0.0;
+    Clock clock_ = steady_clock();
+};
+
+} // namespace occlude::tools::viewer
