@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#ifdef OCCLUDE_VIEWER
+#ifdef OCCLUDE_HAS_VIEWER
 #include "viewer/ui/run_viewer.h"
 #endif
 
@@ -34,7 +34,7 @@ Result<int> view_command(const ViewOptions& options, [[maybe_unused]] const Stre
     if (const auto checked = check_view_options(options); !checked) {
         return checked.error();
     }
-#ifdef OCCLUDE_VIEWER
+#ifdef OCCLUDE_HAS_VIEWER
     const auto ran = viewer::run_viewer(options, streams.out);
     return ran ? Result<int>{kDone} : Result<int>{ran.error()};
 #else

@@ -94,7 +94,7 @@ struct Form {
     Kind kind;
     const char* shape;
 };
-constexpr std::array<Form, 14> kForms = {
+constexpr std::array<Form, 15> kForms = {
     {{"wait", Kind::wait, "wait FRAMES"},
      {"key", Kind::key, "key NAME or key ctrl+NAME"},
      {"hold", Kind::hold, "hold NAME FRAMES"},
@@ -106,6 +106,7 @@ constexpr std::array<Form, 14> kForms = {
      {"drop", Kind::drop, "drop FILE"},
      {"resize", Kind::resize, "resize WIDTHxHEIGHT"},
      {"wait-loaded", Kind::wait_loaded, "wait-loaded"},
+     {"wait-text", Kind::wait_text, "wait-text TEXT"},
      {"assert-text", Kind::assert_text, "assert-text TEXT"},
      {"assert-no-text", Kind::assert_no_text, "assert-no-text TEXT"},
      {"screenshot", Kind::screenshot, "screenshot FILE.png"}}};
@@ -137,6 +138,7 @@ bool read_arguments(const std::vector<std::string>& words, const std::string& re
         return count == 1;
     case Kind::type:
     case Kind::drop:
+    case Kind::wait_text:
     case Kind::assert_text:
     case Kind::assert_no_text:
     case Kind::screenshot:

@@ -12,6 +12,7 @@
 //   drop FILE                   a file on the window
 //   resize 900x600              the window
 //   wait-loaded                 until the scene is there
+//   wait-text TEXT              until the window shows TEXT
 //   assert-text TEXT            the panels and the picture's texts show TEXT
 //   assert-no-text TEXT
 //   screenshot FILE.png
@@ -42,6 +43,7 @@ struct ScriptStep {
         drop,
         resize,
         wait_loaded,
+        wait_text,
         assert_text,
         assert_no_text,
         screenshot,

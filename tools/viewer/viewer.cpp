@@ -75,6 +75,7 @@ void Viewer::take_over(std::unique_ptr<Session> session)
     }
     forget_trees(); // they refer to the old session
     recorder_.reset();
+    light_.visibility.reset();
     session_ = std::move(session);
     pictures_.size = glm::ivec2{0};
     note_instances();

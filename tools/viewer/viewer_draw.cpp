@@ -29,10 +29,11 @@ void Viewer::draw(glm::ivec2 size)
     if (!cull && !pending_.redraw) {
         return;
     }
-    if (!session_->model().motion.empty()) {
-        if (cull && time.moving) {
-            ++time.motion_frame;
-        }
+    const bool moves = !session_->model().motion.empty();
+    if (moves && cull && time.moving) {
+        ++time.motion_frame;
+    }
+    if (moves && (time.moving || pending_.redraw)) {
         // Frame 0 would begin the motion again, and with it all ids.
         set_frame(session_->stage(), std::max<size_t>(time.motion_frame, 1));
         note_instances();

@@ -332,4 +332,10 @@ TEST(Cli, ListsWhatThereIs)
     EXPECT_EQ(run({"list", "paths", scene_file()}).code, 0);
 }
 
+TEST(Cli, ViewSaysWhatIsWrongBeforeItOpensAnything)
+{
+    expect_refused({"view", scene_file(), "--headless"}, {"--frames or --script"});
+    expect_refused({"view", scene_file(), "--algorithm", "magic"}, {"'magic'"});
+}
+
 } // namespace occlude::tools

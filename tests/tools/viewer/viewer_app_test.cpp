@@ -1,5 +1,5 @@
 // The whole viewer without a window: panels, input and pictures.
-#ifdef OCCLUDE_VIEWER
+#ifdef OCCLUDE_HAS_VIEWER
 
 #include "tools/temp_folder.h"
 #include "viewer/ui/app.h"

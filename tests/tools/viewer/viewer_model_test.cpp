@@ -98,13 +98,14 @@ TEST(Keys, NamesGiveTheCodesOfGlfw)
 
 TEST(Script, ReadsEveryKindOfInput)
 {
-    const auto steps = parse_script("# a comment\n\nwait 3\nkey ctrl+F\nhold w 10\nmove 1 2\n"
-                                    "click 3 4\nclick \"step\"\ndrag right 1 2 3 4\nscroll -2\n"
-                                    "type two words\ndrop a b.glb\nresize 900x600\nwait-loaded\n"
-                                    "assert-text Drawn: now\nassert-no-text x\nscreenshot a.png\n",
-                                    "s");
+    const auto steps =
+        parse_script("# a comment\n\nwait 3\nkey ctrl+F\nhold w 10\nmove 1 2\n"
+                     "click 3 4\nclick \"step\"\ndrag right 1 2 3 4\nscroll -2\n"
+                     "type two words\ndrop a b.glb\nresize 900x600\nwait-loaded\n"
+                     "wait-text here\nassert-text Drawn: now\nassert-no-text x\nscreenshot a.png\n",
+                     "s");
     ASSERT_TRUE(steps) << steps.error().message;
-    ASSERT_EQ(steps->size(), 15u);
+    ASSERT_EQ(steps->size(), 16u);
     EXPECT_EQ((*steps)[0].line, 3);
     EXPECT_TRUE((*steps)[1].control);
     EXPECT_EQ((*steps)[2].count, 10);
@@ -112,7 +113,7 @@ TEST(Script, ReadsEveryKindOfInput)
     EXPECT_EQ((*steps)[6].button, 1);
     EXPECT_EQ((*steps)[7].count, -2);
     EXPECT_EQ((*steps)[9].text, "a b.glb");
-    EXPECT_EQ((*steps)[12].text, "Drawn: now");
+    EXPECT_EQ((*steps)[13].text, "Drawn: now");
 }
 
 TEST(Script, ErrorsNameTheLineAndWhatItMustLookLike)

@@ -66,8 +66,7 @@ void App::handle_key(const InputEvent& event)
 void App::handle_button(const InputEvent& event)
 {
     constexpr float kClickReach = 4.0f; // pixels that the mouse may move in a click
-    mouse_ =
-        event.kind == InputEvent::Kind::button && event.at != glm::vec2{0.0f} ? event.at : mouse_;
+    mouse_ = event.at;
     const ImVec2 at{mouse_.x, mouse_.y};
     if (event.down) {
         if (ImGui::GetIO().WantCaptureMouse || !layout_.in_picture(at)) {

@@ -97,9 +97,27 @@ Result<bool> ScriptRunner::begin(const ScriptStep& step, const ScreenNotes& note
         wait_ = 1;
         break;
     case ScriptStep::Kind::wait_loaded:
+    case ScriptStep::Kind::wait_text:
         break;
     }
     return true;
+}
+
+// Whether a step that waits for something waits on; an error when it has waited for too long.
+Result<bool> ScriptRunner::waits(const Status& status, const ScreenNotes& notes)
+{
+    constexpr int kMostFrames = 5000;
+    const ScriptStep& step = steps_[next_];
+    const bool not_loaded = step.kind == ScriptStep::Kind::wait_loaded && status.loading;
+    const bool not_shown =
+        step.kind == ScriptStep::Kind::wait_text && notes.text.find(step.text) == std::string::npos;
+    waited_ = not_shown ? waited_ + 1 : 0;
+    if (waited_ > kMostFrames) {
+        return failed(step, fmt::format("the text '{}' did not appear in {} frames; the window "
+                                        "says:\n{}",
+                                        step.text, kMostFrames, notes.text));
+    }
+    return not_loaded || not_shown;
 }
 
 Result<bool> ScriptRunner::step(Window& window, const Status& status, const ScreenNotes& notes)
@@ -109,8 +127,9 @@ Result<bool> ScriptRunner::step(Window& window, const Status& status, const Scre
         return true;
     }
     while (queue_.empty() && wait_ == 0 && next_ < steps_.size()) {
-        if (steps_[next_].kind == ScriptStep::Kind::wait_loaded && status.loading) {
-            return true;
+        const auto waiting = waits(status, notes);
+        if (!waiting || *waiting) {
+            return waiting;
         }
         if (const auto begun = begin(steps_[next_], notes); !begun) {
             return begun.error();

@@ -36,6 +36,7 @@ public:
 
 private:
     Result<bool> begin(const ScriptStep& step, const ScreenNotes& notes);
+    Result<bool> waits(const Status& status, const ScreenNotes& notes);
     void click(glm::vec2 at, int button);
     Error failed(const ScriptStep& step, const std::string& what) const;
 
@@ -44,6 +45,7 @@ private:
     size_t next_ = 0;
     std::deque<std::vector<InputEvent>> queue_; ///< of the frames to come
     int wait_ = 0;
+    int waited_ = 0; ///< frames, for a text to appear
     std::string screenshot_;
 };
 
