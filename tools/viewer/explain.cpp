@@ -17,7 +17,8 @@ std::vector<NodeId> path_to(const Hierarchy& hierarchy, NodeId leaf)
     return path;
 }
 
-// The entry that speaks for an item: the last one on the way from the root, as by_item() has it.
+// `path` ascends: parents come before their children. The entry that speaks for an item: the last
+// one on the way from the root, as by_item() has it.
 const DecisionLog::Entry* entry_of(std::span<const DecisionLog::Entry> entries, ItemId item,
                                    std::span<const NodeId> path)
 {
@@ -30,7 +31,7 @@ const DecisionLog::Entry* entry_of(std::span<const DecisionLog::Entry> entries, 
             continue;
         }
         const bool above = entry.scope == DecisionLog::Scope::subtree
-                               ? std::find(path.begin(), path.end(), entry.node) != path.end()
+                               ? std::binary_search(path.begin(), path.end(), entry.node)
                                : !path.empty() && entry.node == path.back();
         if (above) {
             found = &entry;

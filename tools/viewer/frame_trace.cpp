@@ -12,6 +12,7 @@ void TraceDevice::begin(FrameTrace& trace, uint64_t frame)
     trace.end_s = trace.begin_s;
     trace_ = &trace;
     places_.clear();
+    overhead_s_ = 0.0;
 }
 
 TracedCall& TraceDevice::add(DeviceVerb verb)
@@ -61,6 +62,7 @@ void TraceDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
         }
         trace_->tests.push_back(std::move(traced));
     }
+    overhead_s_ += clock_() - trace_->calls.back().end_s;
 }
 
 Ticket TraceDevice::draw_and_query(std::span<const ItemId> items, DrawPass pass)

@@ -58,6 +58,8 @@ public:
     void set_inner(QueryDevice& inner) { inner_ = &inner; }
     /// Starts a trace, which receives everything until the next begin(). It outlives that.
     void begin(FrameTrace& trace, uint64_t frame);
+    /// Seconds that tracing itself has taken since begin(): no part of the frame.
+    double overhead_s() const { return overhead_s_; }
     /// Forgets tickets of earlier frames: their tests are not told apart any more.
     void forget() { pending_.clear(); }
 
@@ -79,6 +81,7 @@ private:
     Clock clock_;
     QueryDevice* inner_ = nullptr;
     FrameTrace* trace_ = nullptr;
+    double overhead_s_ = 0.0;
     std::map<Ticket, TracedTest> pending_; ///< with everything that is known before the answer
     std::map<Ticket, uint32_t> places_;    ///< of tests of this frame, in FrameTrace::tests
 };

@@ -131,9 +131,9 @@ bool Pane::cull(const Stage& stage, const View& view, QueryDevice& device, uint6
     remembered.decisions.assign(decisions.begin(), decisions.end());
 
     const FrameCounters& counters = report_.counters;
-    figures_.frame_ms.add(static_cast<float>(kMsPerSecond * (end - start)));
-    figures_.cull_cpu_ms.add(
-        static_cast<float>(kMsPerSecond * (culled - start - timing.verb_seconds())));
+    figures_.frame_ms.add(static_cast<float>(kMsPerSecond * (end - start - tracer_.overhead_s())));
+    figures_.cull_cpu_ms.add(static_cast<float>(
+        kMsPerSecond * (culled - start - timing.verb_seconds() - tracer_.overhead_s())));
     figures_.queries.add(static_cast<float>(counters.queries));
     figures_.batches.add(static_cast<float>(counters.batches));
     figures_.waits.add(static_cast<float>(counters.waits));
