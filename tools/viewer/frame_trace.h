@@ -1,8 +1,7 @@
 // What an algorithm said to the device in one frame and when, for time lines and explanations.
 #pragma once
 
-#include "measure/timing_device.h"
-
+#include <occlude/core/clock.h>
 #include <occlude/core/query_device.h>
 #include <occlude/device/device_verb.h>
 
@@ -49,7 +48,7 @@ struct FrameTrace {
 /// later frame are entered there too, in the trace of that frame, as a call.
 class TraceDevice final : public QueryDevice {
 public:
-    explicit TraceDevice(Clock clock)
+    explicit TraceDevice(SecondsClock clock)
         : clock_(std::move(clock))
     {
     }
@@ -78,7 +77,7 @@ private:
     TracedCall& add(DeviceVerb verb);
     void note_answer(Ticket ticket, const Answer& answer);
 
-    Clock clock_;
+    SecondsClock clock_;
     QueryDevice* inner_ = nullptr;
     FrameTrace* trace_ = nullptr;
     double overhead_s_ = 0.0;

@@ -1,9 +1,10 @@
 // Loads a scene beside the program, so that the window goes on living.
 #pragma once
 
-#include "measure/timing_device.h"
 #include "options/options.h"
 #include "session/session.h"
+
+#include <occlude/core/clock.h>
 
 #include <memory>
 #include <optional>
@@ -35,7 +36,7 @@ private:
     std::shared_ptr<Job> job_;
     std::string scene_;
     double started_s_ = 0.0;
-    Clock clock_ = steady_clock();
+    SecondsClock clock_ = steady_seconds_clock();
 };
 
 } // namespace occlude::tools::viewer

@@ -34,7 +34,7 @@ float Rolling::median() const
     return *middle;
 }
 
-Pane::Pane(std::string algorithm, Clock clock)
+Pane::Pane(std::string algorithm, SecondsClock clock)
     : algorithm_(std::move(algorithm))
     , clock_(std::move(clock))
     , tracer_(clock_)

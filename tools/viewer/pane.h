@@ -60,7 +60,7 @@ class Pane {
 public:
     static constexpr size_t kRememberedFrames = 60;
 
-    Pane(std::string algorithm, Clock clock);
+    Pane(std::string algorithm, SecondsClock clock);
 
     const std::string& algorithm() const { return algorithm_; }
     /// Makes another culler for the next frame.
@@ -98,7 +98,7 @@ private:
 
     std::string algorithm_;
     OptionSets options_;
-    Clock clock_;
+    SecondsClock clock_;
     std::unique_ptr<Culler> culler_;
     std::string problem_;
     FrameReport report_;

@@ -17,7 +17,7 @@ Viewer::Viewer(std::shared_ptr<GlContext> context, StageOptions options, Setting
     , options_(std::move(options))
     , settings_(std::move(settings))
 {
-    const Clock clock = steady_clock();
+    const SecondsClock clock = steady_seconds_clock();
     for (size_t i = 0; i < panes_.size(); ++i) {
         panes_[i] = std::make_unique<Pane>(settings_.algorithms[i], clock);
         panes_[i]->set_option_sets(settings_.options[i]);

@@ -90,7 +90,7 @@ void Viewer::cull_pane(size_t index, const Stage& stage, const View& view)
 void Viewer::measure_references(const Stage& stage, const View& view)
 {
     constexpr double kFramesPerReference = 20.0; // so that measuring takes 5% of the time
-    const Clock clock = steady_clock();
+    const SecondsClock clock = steady_seconds_clock();
     const double start = clock();
     references_.panes[references_.next]->cull(stage, view, stage.renderer.device(), frame_);
     references_.next = (references_.next + 1) % references_.panes.size();

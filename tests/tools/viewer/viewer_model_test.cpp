@@ -174,7 +174,7 @@ class OnTheWall : public testing::Test {
 protected:
     OnTheWall()
         : stage_(test::wall_model())
-        , pane_("stop_and_wait", steady_clock())
+        , pane_("stop_and_wait", steady_seconds_clock())
     {
         for (uint64_t frame = 1; frame <= 3; ++frame) {
             pane_.cull(stage_.stage(), view_, stage_.renderer->device(), frame);

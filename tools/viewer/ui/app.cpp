@@ -208,7 +208,7 @@ void App::write_screenshot()
 
 void App::frame(double seconds)
 {
-    const Clock clock = steady_clock();
+    const SecondsClock clock = steady_seconds_clock();
     const double start = clock();
     const glm::ivec2 size = window_->size();
     for (const InputEvent& event : window_->events()) {

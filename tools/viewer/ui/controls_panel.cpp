@@ -198,6 +198,30 @@ void picture_section(Viewer& viewer)
     }
 }
 
+void places_section(Viewer& viewer)
+{
+    if (button("overview")) {
+        viewer.execute(Command::overview);
+    }
+    ImGui::SameLine();
+    if (button("home")) {
+        viewer.execute(Command::home);
+    }
+    ImGui::SameLine();
+    if (button("bookmark")) {
+        viewer.execute(Command::save_bookmark);
+    }
+    const size_t count = viewer.settings().bookmarks[viewer.session()->model().name].size();
+    for (size_t i = 0; i < count; ++i) {
+        if (i % 6 != 0) {
+            ImGui::SameLine();
+        }
+        if (button(fmt::format("{}##bookmark", i + 1).c_str())) {
+            viewer.go_to_bookmark(i);
+        }
+    }
+}
+
 void camera_section(Viewer& viewer)
 {
     ViewerState& state = viewer.state();
@@ -240,26 +264,7 @@ void camera_section(Viewer& viewer)
     if (button("record trace")) {
         viewer.execute(Command::toggle_trace_recording);
     }
-    if (button("overview")) {
-        viewer.execute(Command::overview);
-    }
-    ImGui::SameLine();
-    if (button("home")) {
-        viewer.execute(Command::home);
-    }
-    ImGui::SameLine();
-    if (button("bookmark")) {
-        viewer.execute(Command::save_bookmark);
-    }
-    const size_t count = viewer.settings().bookmarks[viewer.session()->model().name].size();
-    for (size_t i = 0; i < count; ++i) {
-        if (i % 6 != 0) {
-            ImGui::SameLine();
-        }
-        if (button(fmt::format("{}##bookmark", i + 1).c_str())) {
-            viewer.go_to_bookmark(i);
-        }
-    }
+    places_section(viewer);
     if (!viewer.session()->model().motion.empty()) {
         checkbox("objects move", &state.time.moving);
     }

@@ -59,7 +59,7 @@ void report_timing(const App& app, std::ostream& out)
 // Frames until the script, the number of frames or the user ends them.
 Result<bool> run_frames(App& app, const ViewOptions& options, ScriptRunner* script)
 {
-    const Clock clock = steady_clock();
+    const SecondsClock clock = steady_seconds_clock();
     double last = clock();
     size_t frames = 0;
     while (!app.window().closed() && !app.viewer().requests().quit) {

@@ -20,21 +20,27 @@ void ScriptRunner::click(glm::vec2 at, int button)
     queue_.push_back({{.kind = Kind::button, .code = button, .down = false, .at = at}});
 }
 
-Result<bool> ScriptRunner::begin(const ScriptStep& step, const ScreenNotes& notes)
+void ScriptRunner::drag(const ScriptStep& step)
 {
     constexpr int kDragFrames = 4;
+    queue_.push_back({{.kind = Kind::move, .at = step.from}});
+    queue_.push_back({{.kind = Kind::button, .code = step.button, .down = true, .at = step.from}});
+    for (int i = 1; i <= kDragFrames; ++i) {
+        const float share = static_cast<float>(i) / static_cast<float>(kDragFrames);
+        queue_.push_back({{.kind = Kind::move, .at = step.from + share * (step.to - step.from)}});
+    }
+    queue_.push_back({{.kind = Kind::button, .code = step.button, .down = false, .at = step.to}});
+}
+
+// The frames of an input.
+void ScriptRunner::queue_input(const ScriptStep& step)
+{
     const auto key = [&](bool down) {
         return InputEvent{
             .kind = Kind::key, .code = step.key, .down = down, .control = step.control};
     };
     switch (step.kind) {
-    case ScriptStep::Kind::wait:
-        wait_ = step.count;
-        break;
     case ScriptStep::Kind::key:
-        queue_.push_back({key(true)});
-        queue_.push_back({key(false)});
-        break;
     case ScriptStep::Kind::hold:
         queue_.push_back({key(true)});
         for (int i = 1; i < step.count; ++i) {
@@ -48,25 +54,8 @@ Result<bool> ScriptRunner::begin(const ScriptStep& step, const ScreenNotes& note
     case ScriptStep::Kind::click:
         click(step.from, 0);
         break;
-    case ScriptStep::Kind::click_label: {
-        const auto place = notes.places.find(step.text);
-        if (place == notes.places.end()) {
-            return failed(step, fmt::format("nothing is labelled '{}'", step.text));
-        }
-        click({place->second.x, place->second.y}, 0);
-        break;
-    }
     case ScriptStep::Kind::drag:
-        queue_.push_back({{.kind = Kind::move, .at = step.from}});
-        queue_.push_back(
-            {{.kind = Kind::button, .code = step.button, .down = true, .at = step.from}});
-        for (int i = 1; i <= kDragFrames; ++i) {
-            const float share = static_cast<float>(i) / static_cast<float>(kDragFrames);
-            queue_.push_back(
-                {{.kind = Kind::move, .at = step.from + share * (step.to - step.from)}});
-        }
-        queue_.push_back(
-            {{.kind = Kind::button, .code = step.button, .down = false, .at = step.to}});
+        drag(step);
         break;
     case ScriptStep::Kind::scroll:
         queue_.push_back({{.kind = Kind::scroll, .at = {0.0f, static_cast<float>(step.count)}}});
@@ -82,6 +71,25 @@ Result<bool> ScriptRunner::begin(const ScriptStep& step, const ScreenNotes& note
     case ScriptStep::Kind::resize:
         queue_.push_back({{.kind = Kind::resize, .at = step.to}});
         break;
+    default: // no input
+        break;
+    }
+}
+
+Result<bool> ScriptRunner::begin(const ScriptStep& step, const ScreenNotes& notes)
+{
+    switch (step.kind) {
+    case ScriptStep::Kind::wait:
+        wait_ = step.count;
+        break;
+    case ScriptStep::Kind::click_label: {
+        const auto place = notes.places.find(step.text);
+        if (place == notes.places.end()) {
+            return failed(step, fmt::format("nothing is labelled '{}'", step.text));
+        }
+        click({place->second.x, place->second.y}, 0);
+        break;
+    }
     case ScriptStep::Kind::assert_text:
     case ScriptStep::Kind::assert_no_text: {
         const bool shown = notes.text.find(step.text) != std::string::npos;
@@ -96,8 +104,8 @@ Result<bool> ScriptRunner::begin(const ScriptStep& step, const ScreenNotes& note
         screenshot_ = step.text;
         wait_ = 1;
         break;
-    case ScriptStep::Kind::wait_loaded:
-    case ScriptStep::Kind::wait_text:
+    default:
+        queue_input(step);
         break;
     }
     return true;

@@ -37,6 +37,8 @@ public:
 private:
     Result<bool> begin(const ScriptStep& step, const ScreenNotes& notes);
     Result<bool> waits(const Status& status, const ScreenNotes& notes);
+    void queue_input(const ScriptStep& step);
+    void drag(const ScriptStep& step);
     void click(glm::vec2 at, int button);
     Error failed(const ScriptStep& step, const std::string& what) const;
 
