@@ -1,6 +1,6 @@
 #include "commands/commands.h"
 
-#include "commands/session.h"
+#include "session/session.h"
 #include "files/output_file.h"
 #include "load/glb_writer.h"
 #include "load/scene_loader.h"
