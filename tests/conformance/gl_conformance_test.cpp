@@ -9,7 +9,7 @@
 #include <array>
 #include <vector>
 
-namespace occlude::gl {
+namespace occlude {
 namespace {
 
 /// The twelve triangles of a box, counter-clockwise from outside.
@@ -92,4 +92,4 @@ TEST(Conformance, TheGlDeviceWithFourSamplesPerPixel)
 }
 
 } // namespace
-} // namespace occlude::gl
+} // namespace occlude

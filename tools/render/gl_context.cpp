@@ -10,21 +10,21 @@ namespace {
 
 class SurfacelessContext final : public GlContext {
 public:
-    explicit SurfacelessContext(std::unique_ptr<gl::HeadlessContext> context)
+    explicit SurfacelessContext(std::unique_ptr<HeadlessContext> context)
         : context_(std::move(context))
     {
     }
     void make_current() override { context_->make_current(); }
 
 private:
-    std::unique_ptr<gl::HeadlessContext> context_;
+    std::unique_ptr<HeadlessContext> context_;
 };
 
 } // namespace
 
 Result<std::shared_ptr<GlContext>> make_headless_gl_context()
 {
-    auto context = gl::HeadlessContext::create();
+    auto context = HeadlessContext::create();
     if (!context) {
         return context.error();
     }

@@ -45,14 +45,14 @@ void Canvas::resize(glm::ivec2 size)
     if (size == size_) {
         return;
     }
-    texture_ = gl::GlTexture::make();
+    texture_ = GlTexture::make();
     glBindTexture(GL_TEXTURE_2D, texture_.name());
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, size.x, size.y, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    framebuffer_ = gl::GlFramebuffer::make();
+    framebuffer_ = GlFramebuffer::make();
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
     glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_.name(), 0);
     glBindTexture(GL_TEXTURE_2D, 0);
@@ -105,13 +105,13 @@ void Canvas::copy_to(uint32_t framebuffer, glm::ivec2 size) const
 
 Result<Compositor> Compositor::create()
 {
-    auto program = gl::make_program("compositor", kVertex, kFragment);
+    auto program = make_program("compositor", kVertex, kFragment);
     if (!program) {
         return program.error();
     }
     Compositor made;
     made.program_ = std::move(*program);
-    made.nothing_ = gl::GlVertexArray::make();
+    made.nothing_ = GlVertexArray::make();
     glUseProgram(made.program_.name());
     glUniform1i(glGetUniformLocation(made.program_.name(), "a"), 0);
     glUniform1i(glGetUniformLocation(made.program_.name(), "b"), 1);

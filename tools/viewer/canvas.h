@@ -31,8 +31,8 @@ public:
 private:
     void resize(glm::ivec2 size);
 
-    gl::GlTexture texture_;
-    gl::GlFramebuffer framebuffer_;
+    GlTexture texture_;
+    GlFramebuffer framebuffer_;
     glm::ivec2 size_{0};
 };
 
@@ -47,8 +47,8 @@ public:
     void compose(Mode mode, const Canvas& a, const Canvas& b, Canvas& result) const;
 
 private:
-    gl::GlProgram program_;
-    gl::GlVertexArray nothing_;
+    GlProgram program_;
+    GlVertexArray nothing_;
 };
 
 } // namespace occlude::tools::viewer
