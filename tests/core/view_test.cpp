@@ -529,6 +529,9 @@ TEST(View, ClipRoundingBoundsWhatFloatDoes)
                                              glm::dmat4{test::random_eye_from_world(rng, 10.0f)} *
                                              glm::translate(glm::dmat4{1.0}, -glm::dvec3{away})};
             const View view = View::from_clip(clip, kSize, projection.convention);
+            if (!view.usable()) {
+                continue; // float left no near plane: nothing is hidden there
+            }
             for (int i = 0; i < 500; ++i) {
                 const glm::vec3 p =
                     away + glm::vec3{rng.range(-40, 40), rng.range(-40, 40), rng.range(-40, 40)};

@@ -133,9 +133,9 @@ inline std::vector<DoubleBox> random_world(Rng& rng, size_t count, bool apart = 
                           rng.range(-reach, reach)};
     };
     while (boxes.size() < count) {
-        const uint32_t kind = rng.below(16);
+        const uint32_t kind = rng.below(20);
         glm::dvec3 half{rng.range(0.1f, 1.5f), rng.range(0.1f, 1.5f), rng.range(0.1f, 1.5f)};
-        if (kind < 2) { // a wall
+        if (kind < 2 || kind >= 14) { // a wall
             half = {rng.range(4.0f, 14.0f), rng.range(4.0f, 14.0f), rng.range(4.0f, 14.0f)};
             half[static_cast<int>(rng.below(3))] = rng.range(0.0f, 0.4f);
         } else if (kind == 2) {
