@@ -6,7 +6,7 @@
 #include "suites/suite_results.h"
 #include "walk/paths.h"
 
-#include <occlude/device/recording_device.h>
+#include <occlude/device/recording.h>
 
 #include <cstdlib>
 #include <filesystem>

@@ -300,16 +300,16 @@ TEST(MeshMisuse, IndicesOutOfRangeOrNotInThreesGiveNothingOrEverything)
     EXPECT_EQ(tight_boxes(corners, beyond, 4), Shape{Aabb::everything()});
     mistakes.expect("every index is one of a position");
     EXPECT_TRUE(split_triangles(corners, corners, beyond, 10).parts.empty());
-    mistakes.expect("every index is one of a position");
+    mistakes.expect("a position and a normal for each index");
     EXPECT_TRUE(
         split_triangles(corners, std::span{corners}.first(1), not_threes, 10).parts.empty());
-    mistakes.expect("indices come in threes");
+    mistakes.expect("three indices for each triangle");
     EXPECT_EQ(partition_triangles(corners, not_threes, 10).indices.size(), 3u);
     mistakes.expect("indices come in threes");
     EXPECT_EQ(partition_triangles(corners, std::span{not_threes}.first(3), 0).parts.size(), 1u);
     mistakes.expect("a part holds at least one triangle");
     EXPECT_EQ(split_triangles(corners, corners, not_threes, 0).parts.size(), 1u);
-    mistakes.expect("indices come in threes");
+    mistakes.expect("three indices for each triangle");
 }
 
 TEST(PathMisuse, PathsWithoutKeysAndCamerasWithoutANearPlaneHideNothing)

@@ -370,7 +370,7 @@ TEST(PeerDefects, BudgetMeasuredFromTheWrongMomentIsNoBudget)
     for (const double start : {0.0, 1e6}) {
         ScriptedDevice device;
         const std::array<OptionValue, 2> options{
-            {{"budget_time", "0.1"}, {"cell_triangles", "500"}}};
+            {{"budget_time", "10"}, {"cell_triangles", "500"}}};
         auto culler = make_culler("prioritized", tree, options,
                                   [now = start]() mutable { return now += 0.001; });
         ASSERT_TRUE(culler) << culler.error().message;

@@ -81,7 +81,7 @@ void choose_culler(Spec& spec, Rng& rng, const std::string& algorithm)
     const auto kinds = hierarchy_kinds();
     spec.hierarchy = kinds[rng.below(static_cast<uint32_t>(kinds.size()))].name;
     spec.leaf_triangles = std::array{0u, 24u, 100u, 400u}[rng.below(4)];
-    spec.clock = rng.below(3) == 0 && info->name != "adaptive";
+    spec.clock = rng.below(3) == 0;
     spec.views = rng.below(4) == 0 ? 2 + rng.below(3) : 1;
 }
 
@@ -126,7 +126,6 @@ Spec random_spec(uint64_t seed, const std::string& algorithm)
     spec.orthographic = rng.below(6) == 0;
     spec.resets = rng.below(5) == 0;
     choose_culler(spec, rng, algorithm);
-    spec.flags = spec.flags && spec.algorithm != "lazy_grid";
     spec.method = rng.below(3) == 0 ? TestMethod::pyramid : TestMethod::queries;
     spec.faults = random_faults(rng);
     return spec;

@@ -1,11 +1,11 @@
 #include "commands/commands.h"
 
+#include "files/json.h"
 #include "files/output_file.h"
 #include "replay/replay.h"
 #include "report/table.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <fstream>
@@ -72,17 +72,17 @@ std::string table_of(std::span<const ReplayedRun> runs)
 
 std::string json_of(const RunRecording& recording, std::span<const ReplayedRun> runs)
 {
-    nlohmann::json list = nlohmann::json::array();
+    Json list = Json::array();
     for (const ReplayedRun& run : runs) {
-        list.push_back({{"algorithm", run.name},
-                        {"hierarchy", run.tree},
-                        {"frames", run.frames},
-                        {"items_drawn", run.items_drawn},
-                        {"identical", run.identical()},
-                        {"mismatch", run.mismatch}});
+        list.push_back(Json::object({{"algorithm", run.name},
+                                     {"hierarchy", run.tree},
+                                     {"frames", run.frames},
+                                     {"items_drawn", run.items_drawn},
+                                     {"identical", run.identical()},
+                                     {"mismatch", run.mismatch}}));
     }
-    return nlohmann::json{{"version", 1}, {"scene", recording.scene}, {"runs", list}}.dump(
-               1, ' ', false, nlohmann::json::error_handler_t::replace) +
+    return Json::object({{"version", 1}, {"scene", recording.scene}, {"runs", std::move(list)}})
+               .dump(1) +
            '\n';
 }
 

@@ -1,6 +1,9 @@
 #include "replay/replay.h"
 
+#include <occlude/core/clock.h>
 #include <occlude/cull/registry.h>
+#include <occlude/device/recording_device.h>
+#include <occlude/device/replay_device.h>
 
 #include <fmt/format.h>
 
@@ -77,9 +80,10 @@ Result<RecordedRun> record_run(const Stage& stage, const RunToRecord& wanted,
     run.algorithm = wanted.algorithm;
     run.options = wanted.options;
     const Hierarchy& tree = *wanted.tree;
-    auto culler = make_culler(run.algorithm, tree, run.options, [&run, clock = steady_clock()] {
-        return run.clock.emplace_back(clock());
-    });
+    auto culler =
+        make_culler(run.algorithm, tree, run.options, [&run, clock = steady_seconds_clock()] {
+            return run.clock.emplace_back(clock());
+        });
     if (!culler) {
         return culler.error();
     }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "measure/stage.h"
-#include "measure/timing_device.h"
 #include "replay/run_recording.h"
 
 #include <occlude/core/result.h>

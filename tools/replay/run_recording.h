@@ -11,7 +11,7 @@
 #include <occlude/core/option_text.h>
 #include <occlude/core/result.h>
 #include <occlude/core/view.h>
-#include <occlude/device/recording_device.h>
+#include <occlude/device/recording.h>
 #include <occlude/hierarchy/hierarchy.h>
 #include <occlude/hierarchy/item_shapes.h>
 
