@@ -19,8 +19,8 @@ Hierarchy tree_of(const RecordedTree& recorded)
 {
     Hierarchy tree =
         Hierarchy::from_finished_arrays(recorded.nodes, recorded.items, recorded.bounds);
-    if (!recorded.two_level.empty()) {
-        tree.set_two_level(recorded.two_level);
+    if (!recorded.object_nodes.empty()) {
+        tree.set_object_nodes(recorded.object_nodes);
     }
     return tree;
 }
@@ -31,7 +31,7 @@ RecordedTree recorded_tree(const Hierarchy& tree, const std::string& name)
             {tree.nodes().begin(), tree.nodes().end()},
             {tree.items().begin(), tree.items().end()},
             {tree.item_bounds().begin(), tree.item_bounds().end()},
-            tree.two_level()};
+            tree.object_nodes()};
 }
 
 void keep_shapes(const ItemShapes& shapes, std::span<const ItemBounds> items,

@@ -66,7 +66,7 @@ void transfer_node(Archive& archive, OneNode& node)
 }
 
 template <class Archive, class Nodes>
-void transfer_two_level(Archive& archive, Nodes& nodes)
+void transfer_object_nodes(Archive& archive, Nodes& nodes)
 {
     archive.list(nodes.object, [&](auto& object) { archive.number(object); });
     archive.list(nodes.box, [&](auto& box) { transfer_box(archive, box); });
@@ -86,7 +86,7 @@ void transfer_tree(Archive& archive, Tree& tree)
     archive.list(tree.nodes, [&](auto& node) { transfer_node(archive, node); });
     archive.list(tree.items, [&](auto& item) { archive.number(item.value); });
     archive.list(tree.bounds, [&](auto& item) { transfer_bounds(archive, item); });
-    transfer_two_level(archive, tree.two_level);
+    transfer_object_nodes(archive, tree.object_nodes);
 }
 
 template <class Archive, class OneView>
@@ -148,19 +148,19 @@ std::string inconsistency(const RunRecording& recording)
 {
     for (const RecordedTree& tree : recording.trees) {
         const auto fits = [&](size_t count) {
-            return tree.two_level.empty() ? count == 0 : count == tree.nodes.size();
+            return tree.object_nodes.empty() ? count == 0 : count == tree.nodes.size();
         };
         if (tree.nodes.empty() || tree.items.size() != tree.bounds.size() ||
-            !fits(tree.two_level.object.size()) || !fits(tree.two_level.box.size()) ||
-            !fits(tree.two_level.key.size())) {
+            !fits(tree.object_nodes.object.size()) || !fits(tree.object_nodes.box.size()) ||
+            !fits(tree.object_nodes.key.size())) {
             return "has a tree whose lists do not belong together";
         }
-        for (size_t node = 0; node < tree.two_level.object.size(); ++node) {
-            const uint32_t object = tree.two_level.object[node];
-            if ((object != TwoLevelNodes::kScene && object >= tree.two_level.frames.size()) ||
-                tree.two_level.key[node] >= tree.two_level.key_count ||
-                tree.two_level.key_count > 16 * tree.nodes.size() + 1024) {
-                return "has a two-level tree that names what is not there";
+        for (size_t node = 0; node < tree.object_nodes.object.size(); ++node) {
+            const uint32_t object = tree.object_nodes.object[node];
+            if ((object != ObjectNodes::kScene && object >= tree.object_nodes.frames.size()) ||
+                tree.object_nodes.key[node] >= tree.object_nodes.key_count ||
+                tree.object_nodes.key_count > 16 * tree.nodes.size() + 1024) {
+                return "names an object of a node that is not there";
             }
         }
     }

@@ -35,7 +35,7 @@ struct RecordedTree {
     std::vector<Node> nodes;
     std::vector<ItemId> items;
     std::vector<ItemBounds> bounds;
-    TwoLevelNodes two_level;
+    ObjectNodes object_nodes;
 };
 
 /// One algorithm on one of the trees.
