@@ -163,7 +163,13 @@ uint32_t CpuRenderer::shaded(const CpuDevice::Owner& owner) const
         return packed(kBackground);
     }
     const std::array<glm::vec3, 3> corners = scene_.triangle(owner.item, owner.triangle);
-    const glm::vec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    // Squares of squares of large edges would not fit a float. A power of two rounds nothing.
+    const glm::vec3 first = corners[1] - corners[0];
+    const glm::vec3 second = corners[2] - corners[0];
+    const glm::vec3 sizes = glm::max(glm::abs(first), glm::abs(second));
+    const float largest = std::max({sizes.x, sizes.y, sizes.z});
+    const float scale = largest > 0.0f ? std::exp2(-std::floor(std::log2(largest))) : 1.0f;
+    const glm::vec3 normal = glm::cross(scale * first, scale * second);
     const float length = glm::length(normal);
     const float cosine = length > 0.0f ? std::abs(glm::dot(normal, kTowardLight)) / length : 0.0f;
     const glm::vec3 base = owner.item.value < item_colors_.size()
