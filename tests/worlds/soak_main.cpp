@@ -110,7 +110,8 @@ std::string page(const Results& results, uint64_t cases, uint64_t first_seed,
             "with a picture of everything, drawn without frustum culling\nand without tests: the "
             "owner and the depth of every pixel. A validator checks each line of the device "
             "contract.\n\"Images compared\" counts the worlds whose culler promised exact images "
-            "in every frame.\n\n";
+            "in every frame. The share of hidden items is below 0 where items that\nmust never be "
+            "culled are drawn outside of the frustum.\n\n";
     text += table(results);
     text += "\nPixels compared with Embree's rays: " + std::to_string(results.total().rays) +
             ".\n\nWorlds that failed: " + std::to_string(results.failures.size()) + ".\n";
