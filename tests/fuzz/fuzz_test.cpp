@@ -27,7 +27,7 @@ using Input = std::vector<uint8_t>;
 std::vector<Input> corpus_of(std::string_view target)
 {
     std::vector<fs::path> files;
-    const fs::path folder = fs::path{test::source_dir()} / "tests/fuzz/corpus" / target;
+    const fs::path folder = fs::path{source_dir()} / "tests/fuzz/corpus" / target;
     for (const auto& entry : fs::directory_iterator{folder}) {
         files.push_back(entry.path());
     }
