@@ -3,6 +3,8 @@
 #include "session/picture.h"
 #include "viewer/viewer.h"
 
+#include <occlude/device/flare_device.h>
+
 #include <fmt/format.h>
 
 #include <algorithm>
