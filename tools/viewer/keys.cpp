@@ -110,7 +110,9 @@ std::optional<int> key_code(std::string_view name)
     }
     constexpr int kFunctionKeys = 12;
     for (int number = 1; number <= kFunctionKeys; ++number) {
-        if (same_name(name, "F" + std::to_string(number))) {
+        std::string key{"F"};
+        key += std::to_string(number);
+        if (same_name(name, key)) {
             return kF1 + number - 1;
         }
     }
