@@ -37,7 +37,7 @@ TEST(VerifyFrame, AnExactFrameLacksNothing)
     const std::vector<ItemBounds> items = wall_and_boxes();
     const test::BoxCpuScene scene(items);
     CpuDevice device(scene);
-    const Hierarchy hierarchy = build_bvh(items, {.leaf_triangles = 12});
+    const Hierarchy hierarchy = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 12});
     ChcPlusPlus culler{hierarchy};
     for (int frame = 0; frame < 3; ++frame) {
         const auto check = verify_frame(culler, view(), device);
@@ -53,7 +53,7 @@ TEST(VerifyFrame, AnItemHiddenByABoxThatIsTooSmallIsNamedWithItsNode)
     items[2].box.max = {6.0f, 0.5f, -9.0f}; // reaches out from behind the wall ...
     const test::BoxCpuScene scene(items);
     items[2].box.max.x = 0.0f; // ... and its box does not
-    const Hierarchy hierarchy = build_bvh(items, {.leaf_triangles = 12});
+    const Hierarchy hierarchy = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 12});
     // With queries of the device and by its depth.
     for (const bool counts : {true, false}) {
         CpuDevice cpu(scene);
@@ -106,7 +106,7 @@ TEST(VerifyFrame, ABoxOutsideOfTheFrustumWhoseItemIsNotIsFound)
     const test::BoxCpuScene scene(items);
     items[4].box = {{100.0f, 0.0f, 0.0f}, {101.0f, 1.0f, 1.0f}};
     CpuDevice device(scene);
-    const Hierarchy hierarchy = build_bvh(items, {.leaf_triangles = 12});
+    const Hierarchy hierarchy = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 12});
     FrustumCuller culler{hierarchy};
     const auto check = verify_frame(culler, view(), device);
     ASSERT_TRUE(check);
