@@ -131,7 +131,7 @@ wait-text Chain of nodes
 screenshot {0}/why.png
 wait-text culling camera frozen
 screenshot {0}/frozen.png
-wait-text until the device has finished
+wait-text read depth
 screenshot {0}/timeline.png
 wait 100000
 """

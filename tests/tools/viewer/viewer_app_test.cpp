@@ -203,8 +203,8 @@ TEST_F(InTheApp, AnObjectIsDeletedBroughtBackAndCopied)
     open(kScene);
     frames(2);
     Viewer& viewer = app_->viewer();
-    const auto found = viewer.find_by_name("building");
-    ASSERT_TRUE(found) << "the city names its buildings";
+    const auto found = viewer.find_by_name("object 7");
+    ASSERT_TRUE(found) << "objects without a name go by their number";
     viewer.select(found);
     frames(1);
     const size_t objects = viewer.session()->scene().scene.object_count();
@@ -273,14 +273,14 @@ TEST(ViewScript, KeysAndClicksReachPanelsAndPicture)
 {
     std::string out;
     const auto played = play("wait-loaded\nwait 3\n"
-                             "assert-text F1: keys\n"
+                             "assert-text F1 lists the keys\n"
                              "key F1\nwait 2\nassert-text list the keys\n"
                              "key escape\nwait 2\nassert-no-text list the keys\n"
                              "click \"Report\"\nwait 3\nassert-text Exact: every pixel\n"
                              "key F\nwait 2\nassert-text culling camera frozen\n"
                              "click \"pause\"\nwait 2\nassert-text paused\n"
                              "key T\nwait 2\nassert-text frustum\n"
-                             "key ctrl+F\nwait 2\ntype building\nkey enter\nwait 3\n"
+                             "key ctrl+F\nwait 2\ntype object 7\nkey enter\nwait 3\n"
                              "assert-text Chain of nodes\n",
                              {1280, 720}, &out);
     EXPECT_TRUE(played) << played.error().message;

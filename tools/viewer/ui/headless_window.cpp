@@ -47,7 +47,7 @@ public:
         switch (event.kind) {
         case InputEvent::Kind::key:
             io.KeysDown[event.code] = event.down;
-            io.KeyCtrl = event.control;
+            io.KeyCtrl = event.control && event.down;
             break;
         case InputEvent::Kind::button:
             io.MouseDown[event.code] = event.down;

@@ -231,7 +231,7 @@ void search_field(Viewer& viewer)
         state.selection.search.size(), ImGuiInputTextFlags_EnterReturnsTrue);
     note_item("search");
     ImGui::SameLine();
-    if (button("find") || entered) {
+    if ((button("find") || entered) && state.selection.search[0] != '\0') {
         const std::string name = state.selection.search.data();
         if (const auto found = viewer.find_by_name(name)) {
             viewer.select(found);

@@ -100,7 +100,7 @@ void show_sums(const Sums& sums, const std::string& algorithm)
     ImGui::SameLine();
     text(fmt::format("algorithm {:.2f}", kMsPerSecond * std::max(rest, 0.0)));
     ImGui::SameLine();
-    ImGui::TextDisabled("until the device has finished %.2f", kMsPerSecond * sums.finish);
+    ImGui::TextDisabled("finish %.2f", kMsPerSecond * sums.finish);
 }
 
 void show_lanes(const FrameTrace& trace, float height)
