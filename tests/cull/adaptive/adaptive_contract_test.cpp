@@ -436,7 +436,6 @@ public:
     void draw(std::span<const ItemId> items, DrawPass pass) override
     {
         if (std::exchange(throws, false)) {
-            inner_.end_frame();
             throw std::runtime_error{"no such mesh"};
         }
         inner_.draw(items, pass);
