@@ -139,7 +139,7 @@ TEST_F(InTheApp, ARandomWalkOverEverythingNeverFailsAndStaysExact)
         seen.insert(viewer.pane(0).algorithm());
         ASSERT_EQ(app_->gl_errors(), 0u) << "frame " << i << ", " << viewer.pane(0).algorithm();
     }
-    EXPECT_EQ(viewer.state().checked_frames, kFrames / 50u);
+    EXPECT_GE(viewer.state().checked_frames, kFrames / 50u); // the walk may ask for more
     EXPECT_EQ(viewer.state().wrong_frames, 0u) << viewer.state().message;
     EXPECT_GE(seen.size(), 6u) << "the walk must meet many algorithms to prove anything";
 }
