@@ -169,8 +169,10 @@ void App::draw_ui(double seconds)
     constexpr double kOldestPanels = 0.1; // seconds
     const ViewerState& state = viewer_->state();
     panels_age_s_ += seconds;
-    const bool moves = drag_ != Drag::none || viewer_->loader().loading() || state.picture.flare ||
-                       !viewer_->marks().empty();
+    // Windows, lists and hints that lie over the picture would vanish under it.
+    const bool covered = state.panels.help || ImGui::GetIO().WantCaptureMouse;
+    const bool moves = covered || drag_ != Drag::none || viewer_->loader().loading() ||
+                       state.picture.flare || !viewer_->marks().empty();
     const bool renew = always_panels_ || input_came_ || moves || panels_age_s_ > kOldestPanels;
     const glm::ivec2 pixels = window_->pixels();
     if (renew) {
