@@ -27,7 +27,18 @@ TwoLevelTree::TwoLevelTree(const TwoLevelOptions& options)
 }
 
 TwoLevelTree::TwoLevelTree(TwoLevelTree&&) noexcept = default;
-TwoLevelTree& TwoLevelTree::operator=(TwoLevelTree&&) noexcept = default;
+
+// The contents move, not the parts: cullers keep a reference to the hierarchy that lies in them.
+TwoLevelTree& TwoLevelTree::operator=(TwoLevelTree&& other) noexcept
+{
+    if (this != &other && parts_ != nullptr && other.parts_ != nullptr) {
+        *parts_ = std::move(*other.parts_);
+    } else if (this != &other) {
+        parts_ = std::move(other.parts_);
+    }
+    return *this;
+}
+
 TwoLevelTree::~TwoLevelTree() = default;
 
 TwoLevelTree::Slot TwoLevelTree::add(const TwoLevelObject& object)

@@ -66,6 +66,7 @@ public:
 
     explicit TwoLevelTree(const TwoLevelOptions& options = {});
     TwoLevelTree(TwoLevelTree&&) noexcept;
+    /// hierarchy() stays where it is and takes the other one's contents, so that cullers go on.
     TwoLevelTree& operator=(TwoLevelTree&&) noexcept;
     ~TwoLevelTree();
 

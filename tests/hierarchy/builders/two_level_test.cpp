@@ -115,6 +115,25 @@ TEST(TwoLevelTree, StaysSoundWhileObjectsComeGoAndMove)
     EXPECT_EQ(world.tree.check(), "");
 }
 
+// Cullers keep a reference to hierarchy(): a tree that is given new contents must not take it away.
+TEST(TwoLevelTree, KeepsItsHierarchyInPlaceWhenAnotherTreeIsMovedIntoIt)
+{
+    World world({.leaf_triangles = 0});
+    world.add({0, 0, 0});
+    world.update();
+    World other({.leaf_triangles = 0});
+    other.add({0, 0, 0});
+    other.add({10, 0, 0}, 3);
+    other.update();
+    const Hierarchy* const place = &world.tree.hierarchy();
+    const uint64_t structure = place->structure_version();
+    world.tree = std::move(other.tree);
+    EXPECT_EQ(&world.tree.hierarchy(), place);
+    EXPECT_NE(place->structure_version(), structure);
+    EXPECT_EQ(place->items().size(), 4u);
+    EXPECT_EQ(world.tree.check(), "");
+}
+
 TEST(TwoLevelTree, ShapesOutliveEveryLayout)
 {
     World world;
