@@ -263,8 +263,9 @@ TEST(CameraExactness, FarFromTheOriginNothingIsLost)
                 }
                 const std::vector<View> views =
                     views_of(test::all_projections()[seed % 9], walk, 1.0, drawing);
-                SCOPED_TRACE((drawing == Drawing::relative ? "relative, seed " : "absolute, seed ") + std::to_string(7100 + seed) + ", distance " +
-                             std::to_string(distance));
+                SCOPED_TRACE(
+                    (drawing == Drawing::relative ? "relative, seed " : "absolute, seed ") +
+                    std::to_string(7100 + seed) + ", distance " + std::to_string(distance));
                 const std::vector<Picture> references = references_of(items, views);
                 for (const TestMethod method : {TestMethod::queries, TestMethod::pyramid}) {
                     for (const std::string name : {"stop_and_wait", "chc_plus_plus", "two_phase"}) {

@@ -39,8 +39,8 @@ TEST_P(RandomWorlds, ShowEveryPixelThatDrawingEverythingShows)
         EXPECT_GT(counts.exact_cases, kCases / 2);
         EXPECT_GT(counts.pixels, 100000u);
     }
-    // Cells as coarse as uniform_grid's default hide little in worlds so small, and adaptive does
-    // not cull where drawing everything costs less than testing.
+    // Cells of uniform_grid hide little in worlds so small, and adaptive does not cull where
+    // drawing everything costs less than testing.
     const bool may_draw_most = GetParam() == "uniform_grid" || GetParam() == "adaptive";
     if (may_draw_most) {
         EXPECT_GT(counts.hidden_share(), 0.01);

@@ -78,6 +78,9 @@ void choose_culler(Spec& spec, Rng& rng, const std::string& algorithm)
     if (info->name == "prioritized") { // its default draws part of the scene
         spec.options.emplace_back("finish", "true");
     }
+    if (info->name == "uniform_grid") { // its default cells are as large as these worlds
+        spec.options.emplace_back("cell_triangles", "24");
+    }
     const auto kinds = hierarchy_kinds();
     spec.hierarchy = kinds[rng.below(static_cast<uint32_t>(kinds.size()))].name;
     spec.leaf_triangles = std::array{0u, 24u, 100u, 400u}[rng.below(4)];

@@ -1,9 +1,9 @@
 #include "commands/commands.h"
 
-#include "session/session.h"
 #include "files/output_file.h"
 #include "load/glb_writer.h"
 #include "load/scene_loader.h"
+#include "session/session.h"
 
 #include <fmt/format.h>
 
