@@ -1,5 +1,6 @@
 #include "render/gl_target.h"
 
+#include <algorithm>
 #include <string>
 
 namespace occlude::tools {
@@ -41,6 +42,15 @@ bool GlTarget::make_attachments(Attachments& made, GLenum color_format, glm::ive
     return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
+// Drivers may give more samples than were asked for: llvmpipe gives four for two.
+static int given_samples(GLuint framebuffer)
+{
+    GLint samples = 0;
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glGetIntegerv(GL_SAMPLES, &samples);
+    return std::max(samples, 1);
+}
+
 Result<bool> GlTarget::resize(glm::ivec2 size, int samples)
 {
     GLint largest = 0;
@@ -71,7 +81,7 @@ Result<bool> GlTarget::resize(glm::ivec2 size, int samples)
     resolved_ = std::move(resolved);
     ids_ = {};
     size_ = size;
-    samples_ = samples;
+    samples_ = given_samples(main_.framebuffer.name());
     return true;
 }
 

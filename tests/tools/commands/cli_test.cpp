@@ -44,7 +44,7 @@ TEST(Cli, WrongCommandsAndOptionsAreRefusedWithWhatWouldWork)
     const std::string scene = scene_file();
     expect_refused({}, {"bench", "--help"});
     expect_refused({"bnech", scene}, {"'bnech'", "bench"});
-    expect_refused({"view", scene}, {"'view'"});
+    expect_refused({"watch", scene}, {"'watch'"});
     expect_refused({"bench"}, {"scenes", "bench --help"});
     expect_refused({"bench", scene, "--nonsense"}, {"--nonsense", "bench --help"});
     expect_refused({"bench", scene, "--frames", "0"}, {"--frames", "'0'"});

