@@ -12,7 +12,7 @@ namespace occlude::tools {
 
 namespace {
 
-constexpr std::string_view kMark = "occlrun1";
+constexpr std::string_view kMark = "occlrun2";
 constexpr size_t kHashBytes = 8;
 
 uint64_t hash_of(std::string_view bytes)
@@ -89,19 +89,24 @@ void transfer_tree(Archive& archive, Tree& tree)
     transfer_object_nodes(archive, tree.object_nodes);
 }
 
+// The program's views are relative to their eyes (make_view() in scene/camera_path.h).
 template <class Archive, class OneView>
 void transfer_view(Archive& archive, OneView& view)
 {
-    glm::mat4 matrix = view.clip_from_world();
+    glm::mat4 matrix{view.clip_from_relative()};
+    glm::dvec3 origin = view.origin();
     glm::ivec2 size = view.size_px();
     ClipConvention convention = view.convention();
     transfer_matrix(archive, matrix);
+    for (int axis = 0; axis < 3; ++axis) {
+        archive.number(origin[axis]);
+    }
     archive.number(size.x);
     archive.number(size.y);
     archive.choice(convention.range, DepthRange::zero_to_one);
     archive.choice(convention.order, DepthOrder::near_is_large);
     if constexpr (Archive::kReads) {
-        view = View::from_clip(matrix, size, convention);
+        view = View::camera_relative(matrix, origin, size, convention);
     }
 }
 
