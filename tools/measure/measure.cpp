@@ -52,7 +52,8 @@ public:
         warm_up();
         for (size_t repeat = 0; repeat < options_.repeat; ++repeat) {
             for (const auto& culler : cullers_) {
-                culler->reset();
+                // Tickets of the walk before must not fill the device in this one.
+                culler->release(stage_.renderer.device());
             }
             walk_path(repeat);
         }
