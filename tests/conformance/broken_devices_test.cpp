@@ -1,6 +1,7 @@
 // The suite finds what it is for: devices that break one rule each are named by that rule.
 #include <occlude/conformance/conformance.h>
 #include <occlude/core/ticket_table.h>
+#include <occlude/device/forwarding_device.h>
 
 #include "conformance/cpu_host.h"
 
@@ -16,38 +17,19 @@ using conformance::check_device;
 using test::CpuHost;
 
 /// Passes everything on; each broken device overrides what it breaks.
-class Forwarding : public QueryDevice {
+class Forwarding : public ForwardingDevice {
 public:
     explicit Forwarding(QueryDevice& inner)
-        : inner_(inner)
+        : ForwardingDevice(inner)
     {
     }
-    const DeviceCaps& caps() const override { return inner_.caps(); }
     void begin_frame(const View& view) override
     {
         view_ = view;
-        inner_.begin_frame(view);
+        inner().begin_frame(view);
     }
-    void draw(std::span<const ItemId> items, DrawPass pass) override { inner_.draw(items, pass); }
-    void query(const QueryBatch& batch, std::span<Ticket> tickets) override
-    {
-        inner_.query(batch, tickets);
-    }
-    Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override
-    {
-        return inner_.draw_and_query(items, pass);
-    }
-    void flush() override { inner_.flush(); }
-    Answer poll(Ticket ticket) override { return inner_.poll(ticket); }
-    Answer wait(Ticket ticket) override { return inner_.wait(ticket); }
-    bool read_depth(const PixelRect& rect, std::span<float> out) override
-    {
-        return inner_.read_depth(rect, out);
-    }
-    void end_frame() override { inner_.end_frame(); }
 
 protected:
-    QueryDevice& inner_;
     View view_;
 };
 
@@ -73,10 +55,10 @@ public:
     void end_frame() override
     {
         for (const auto& [items, pass] : late_) {
-            inner_.draw(items, pass);
+            inner().draw(items, pass);
         }
         late_.clear();
-        inner_.end_frame();
+        inner().end_frame();
     }
 
 private:
@@ -110,11 +92,11 @@ public:
                 for (QueryBox& box : test->boxes) {
                     box.world_from_box = nullptr;
                 }
-                inner_.query({test->boxes, std::span{&end, 1}}, std::span{&test->inner, 1});
+                inner().query({test->boxes, std::span{&end, 1}}, std::span{&test->inner, 1});
             }
         }
         open_.clear();
-        inner_.end_frame();
+        inner().end_frame();
     }
     Answer poll(Ticket ticket) override { return wait(ticket); }
     Answer wait(Ticket ticket) override
@@ -123,7 +105,7 @@ public:
         if (test == nullptr) {
             return Answer::lost();
         }
-        const Answer answer = inner_.wait(test->inner);
+        const Answer answer = inner().wait(test->inner);
         tests_.release(ticket);
         return answer;
     }
@@ -148,7 +130,7 @@ public:
     using Forwarding::Forwarding;
     Answer wait(Ticket ticket) override
     {
-        const Answer answer = inner_.wait(ticket);
+        const Answer answer = inner().wait(ticket);
         return answer.state == AnswerState::ready && ++count_ % 9 == 0 ? Answer::ready(0) : answer;
     }
 
@@ -167,13 +149,13 @@ public:
     using Forwarding::Forwarding;
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override
     {
-        inner_.query(batch, tickets);
+        inner().query(batch, tickets);
         const bool wall = std::any_of(batch.boxes.begin(), batch.boxes.end(), [](const auto& box) {
             return box.box.extent().x > 100.0f && box.box.max.z > -10.0f;
         });
         if (wall) {
             const ItemId near_wall{1u};
-            inner_.draw(std::span{&near_wall, 1}, DrawPass::shade);
+            inner().draw(std::span{&near_wall, 1}, DrawPass::shade);
         }
     }
 };
@@ -197,7 +179,7 @@ public:
             ends.push_back(static_cast<uint32_t>(firsts.size()));
             begin = end;
         }
-        inner_.query({firsts, ends, batch.method}, tickets);
+        inner().query({firsts, ends, batch.method}, tickets);
     }
 };
 
@@ -217,7 +199,7 @@ public:
                 box = {{{-1.0f, -1.0f, -45.0f}, {1.0f, 1.0f, -44.0f}}, nullptr, box.subject};
             }
         }
-        inner_.query({boxes, batch.test_ends, batch.method}, tickets);
+        inner().query({boxes, batch.test_ends, batch.method}, tickets);
     }
 };
 
@@ -233,7 +215,7 @@ public:
     Answer poll(Ticket ticket) override { return wait(ticket); }
     Answer wait(Ticket ticket) override
     {
-        const Answer answer = inner_.wait(ticket);
+        const Answer answer = inner().wait(ticket);
         if (answer.state == AnswerState::ready) {
             last_ = answer;
             return answer;
@@ -256,7 +238,7 @@ public:
     Answer poll(Ticket ticket) override { return wait(ticket); }
     Answer wait(Ticket ticket) override
     {
-        Answer answer = inner_.wait(ticket);
+        Answer answer = inner().wait(ticket);
         if (answer.state == AnswerState::lost) {
             answer.samples = 0;
         }
@@ -274,7 +256,7 @@ public:
     using Forwarding::Forwarding;
     Answer wait(Ticket ticket) override
     {
-        return ++count_ % 5 == 0 ? Answer::pending() : inner_.wait(ticket);
+        return ++count_ % 5 == 0 ? Answer::pending() : inner().wait(ticket);
     }
 
 private:
@@ -313,18 +295,18 @@ public:
     void begin_frame(const View& view) override
     {
         ++frame_;
-        inner_.begin_frame(view);
+        inner().begin_frame(view);
     }
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override
     {
-        inner_.query(batch, tickets);
+        inner().query(batch, tickets);
         for (const Ticket ticket : tickets) {
             asked_.emplace_back(ticket, frame_);
         }
     }
     Answer wait(Ticket ticket) override
     {
-        const Answer answer = inner_.wait(ticket);
+        const Answer answer = inner().wait(ticket);
         const auto asked = std::find_if(asked_.rbegin(), asked_.rend(),
                                         [&](const auto& a) { return a.first == ticket; });
         const bool old = asked != asked_.rend() && asked->second < frame_;
@@ -346,7 +328,7 @@ public:
     using Forwarding::Forwarding;
     bool read_depth(const PixelRect& rect, std::span<float> out) override
     {
-        const bool done = inner_.read_depth(rect, out);
+        const bool done = inner().read_depth(rect, out);
         for (int y = 0; done && y < rect.height / 2; ++y) {
             const auto row = [&](int at) { return out.begin() + at * rect.width; };
             std::swap_ranges(row(y), row(y) + rect.width, row(rect.height - 1 - y));
@@ -366,7 +348,7 @@ public:
     void draw(std::span<const ItemId> items, DrawPass pass) override
     {
         if (pass != DrawPass::depth_only) {
-            inner_.draw(items, pass);
+            inner().draw(items, pass);
         }
     }
 };
@@ -381,7 +363,7 @@ public:
     using Forwarding::Forwarding;
     Answer wait(Ticket ticket) override
     {
-        const Answer answer = inner_.wait(ticket);
+        const Answer answer = inner().wait(ticket);
         return answer.state == AnswerState::ready ? Answer::ready(1) : answer;
     }
 };

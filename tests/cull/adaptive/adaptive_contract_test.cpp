@@ -10,6 +10,7 @@
 #include "support/walks.h"
 
 #include <occlude/device/cost_model_device.h>
+#include <occlude/device/forwarding_device.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/device/validating_device.h>
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>
@@ -425,38 +426,21 @@ TEST(CostMeter, WithoutAClockNothingIsMeasuredAndNothingIsSaid)
 // --- draws that throw ----------------------------------------------------------------------------
 
 // A device whose draw throws when it is told to.
-class ThrowingDevice final : public QueryDevice {
+class ThrowingDevice final : public ForwardingDevice {
 public:
     explicit ThrowingDevice(QueryDevice& inner)
-        : inner_(inner)
+        : ForwardingDevice(inner)
     {
     }
-    const DeviceCaps& caps() const override { return inner_.caps(); }
-    void begin_frame(const View& view) override { inner_.begin_frame(view); }
     void draw(std::span<const ItemId> items, DrawPass pass) override
     {
         if (std::exchange(throws, false)) {
             throw std::runtime_error{"no such mesh"};
         }
-        inner_.draw(items, pass);
+        inner().draw(items, pass);
     }
-    void query(const QueryBatch& batch, std::span<Ticket> tickets) override
-    {
-        inner_.query(batch, tickets);
-    }
-    void flush() override { inner_.flush(); }
-    Answer poll(Ticket ticket) override { return inner_.poll(ticket); }
-    Answer wait(Ticket ticket) override { return inner_.wait(ticket); }
-    bool read_depth(const PixelRect& rect, std::span<float> out) override
-    {
-        return inner_.read_depth(rect, out);
-    }
-    void end_frame() override { inner_.end_frame(); }
 
     bool throws = false;
-
-private:
-    QueryDevice& inner_;
 };
 
 TEST(AdaptiveContract, HoldsInTheFramesAfterADrawThatThrew)
