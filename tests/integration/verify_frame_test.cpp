@@ -5,6 +5,7 @@
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/two_phase.h>
+#include <occlude/device/forwarding_device.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/hierarchy/builders/bvh_builder.h>
 
@@ -57,33 +58,17 @@ TEST(VerifyFrame, AnItemHiddenByABoxThatIsTooSmallIsNamedWithItsNode)
     // With queries of the device and by its depth.
     for (const bool counts : {true, false}) {
         CpuDevice cpu(scene);
-        class NoCounts final : public QueryDevice {
+        class NoCounts final : public ForwardingDevice {
         public:
             NoCounts(QueryDevice& inner, bool can_count)
-                : inner_(inner)
+                : ForwardingDevice(inner)
                 , caps_(inner.caps())
             {
                 caps_.draw_and_query = can_count;
             }
             const DeviceCaps& caps() const override { return caps_; }
-            void begin_frame(const View& v) override { inner_.begin_frame(v); }
-            void draw(std::span<const ItemId> i, DrawPass p) override { inner_.draw(i, p); }
-            void query(const QueryBatch& b, std::span<Ticket> t) override { inner_.query(b, t); }
-            Ticket draw_and_query(std::span<const ItemId> i, DrawPass p) override
-            {
-                return inner_.draw_and_query(i, p);
-            }
-            void flush() override {}
-            Answer poll(Ticket t) override { return inner_.poll(t); }
-            Answer wait(Ticket t) override { return inner_.wait(t); }
-            bool read_depth(const PixelRect& r, std::span<float> out) override
-            {
-                return inner_.read_depth(r, out);
-            }
-            void end_frame() override { inner_.end_frame(); }
 
         private:
-            QueryDevice& inner_;
             DeviceCaps caps_;
         } device(cpu, counts);
         ChcPlusPlus culler{hierarchy};
