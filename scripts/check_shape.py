@@ -42,9 +42,6 @@ STILL_LONG = {
     ("tests/tools/model/motion_test.cpp", "file"),
     ("tests/tools/render/gl_renderer_test.cpp", "file"),
     ("tests/views/many_views_test.cpp", "function"),
-    ("tools/commands/cli.cpp", "class"),
-    ("tools/commands/cli.cpp", "file"),
-    ("tools/commands/cli.cpp", "function"),
     ("tools/render/gl_renderer.cpp", "file"),
 }
 
