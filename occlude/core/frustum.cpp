@@ -28,14 +28,17 @@ void Frustum::set_plane(Plane which, const glm::dvec4& relative_plane, const glm
     const glm::dvec4 plane = relative_plane / length;
     const glm::dvec3 normal{plane};
     planes_[which] = glm::vec4{glm::dvec4{normal, plane.w - glm::dot(normal, origin)}};
-    const double offset = plane.w + glm::dot(normal, glm::dvec3{origin_} - origin);
+    const glm::dvec3 beside = glm::dvec3{origin_} - origin;
+    const double offset = plane.w + glm::dot(normal, beside);
     from_origin_[which] = glm::vec4{glm::dvec4{normal, offset}};
     lanes_.x[which] = from_origin_[which].x;
     lanes_.y[which] = from_origin_[which].y;
     lanes_.z[which] = from_origin_[which].z;
     lanes_.w[which] = from_origin_[which].w;
     lanes_.slop[which] =
-        std::abs(from_origin_[which].w) + static_cast<float>(rounding / length / double{kSlop});
+        std::abs(from_origin_[which].w) +
+        static_cast<float>(glm::dot(detail::absolute(normal), detail::absolute(beside)) +
+                           rounding / length / double{kSlop});
 }
 
 Frustum Frustum::from_relative(const glm::dmat4& clip_from_relative, const glm::dvec3& origin,

@@ -312,7 +312,9 @@ bool View::set_inflation(const glm::dmat4& rows, const glm::dmat4& magnitude)
     };
     const double per_coordinate = moved_by(magnitude[0] + magnitude[1] + magnitude[2]);
     inflation_.per_coordinate = static_cast<float>(per_coordinate * kRoundedUp);
-    inflation_.reach = static_cast<float>(moved_by(magnitude[3]) / per_coordinate * kRoundedUp);
+    const double beside = largest(glm::dvec3{inflation_.origin} - origin_);
+    inflation_.reach =
+        static_cast<float>((moved_by(magnitude[3]) / per_coordinate + beside) * kRoundedUp);
 
     // Across the screen at constant w, window depth is a linear function of the position: its
     // slope is 0 unless the near plane is oblique.
@@ -334,6 +336,7 @@ void View::set_near_rules(const glm::dmat4& rows, const glm::dmat4& magnitude,
     // The distance to the plane is a sum of four terms, of which rounding takes its share.
     constexpr double kSumRounding = 16.0 * 0x1p-24;
     double per_distance = kSumRounding * 2.0;
+    const double beside = largest(glm::dvec3{inflation_.origin} - origin_);
     double constant = kSumRounding * std::abs(double{frustum_.plane_from_origin(Frustum::near).w});
     near_reach_ = 0.0f;
     if (!orthographic_) {
@@ -342,7 +345,7 @@ void View::set_near_rules(const glm::dmat4& rows, const glm::dmat4& magnitude,
         const glm::dvec4 sums = magnitude[0] + magnitude[1] + magnitude[2];
         const double least = kLeastWOverRounding * kDeviceRounding * per_w;
         per_distance += least * sums.w;
-        constant += least * magnitude[3].w;
+        constant += least * (magnitude[3].w + sums.w * beside);
         const double reach =
             corner_reach(glm::inverse(clip_from_relative_), eye, reversed ? 1.0 : z_low);
         near_reach_ = options_.ignores_near_plane ? 0.0f : static_cast<float>(reach * (1.0 + 1e-5));

@@ -15,7 +15,7 @@ namespace {
 
 // The format: this mark, the caps, the calls, and the FNV-1a hash of all bytes before it. Numbers
 // are little-endian; lists start with their length as 32 bits.
-constexpr std::string_view kMark = "occlrec3";
+constexpr std::string_view kMark = "occlrec4";
 
 using Bytes = std::string;
 
@@ -117,10 +117,12 @@ public:
     template <class T>
     void real(T& value)
     {
-        uint64_t bits = std::bit_cast<uint32_t>(value);
-        stream_.number(bits, 4);
+        using Real = std::remove_const_t<T>;
+        using Bits = std::conditional_t<std::is_same_v<Real, double>, uint64_t, uint32_t>;
+        uint64_t bits = std::bit_cast<Bits>(value);
+        stream_.number(bits, static_cast<int>(sizeof(Bits)));
         if constexpr (kReads) {
-            value = std::bit_cast<float>(static_cast<uint32_t>(bits));
+            value = std::bit_cast<Real>(static_cast<Bits>(bits));
         }
     }
 
@@ -174,17 +176,31 @@ void transfer_box(Archive<Stream>& archive, Box& box)
 }
 
 template <class Stream, class Call>
+void transfer_view(Archive<Stream>& archive, Call& call)
+{
+    archive.matrix(call.clip_from_world);
+    archive.matrix(call.clip_from_relative);
+    for (int axis = 0; axis < 3; ++axis) {
+        archive.real(call.origin[axis]);
+    }
+    archive.whole(call.size_px.x);
+    archive.whole(call.size_px.y);
+    archive.choice(call.convention.range, DepthRange::zero_to_one);
+    archive.choice(call.convention.order, DepthOrder::near_is_large);
+    archive.whole(call.view_options.viewport_origin_px.x);
+    archive.whole(call.view_options.viewport_origin_px.y);
+    archive.whole(call.view_options.tag);
+    archive.choice(call.view_options.ignores_near_plane, true);
+}
+
+template <class Stream, class Call>
 void transfer_question(Archive<Stream>& archive, Call& call)
 {
     archive.choice(call.verb, DeviceVerb::end_frame);
     archive.choice(call.pass, DrawPass::shade_equal);
     archive.choice(call.method, TestMethod::pyramid);
     if (call.verb == DeviceVerb::begin_frame) {
-        archive.matrix(call.clip_from_world);
-        archive.whole(call.size_px.x);
-        archive.whole(call.size_px.y);
-        archive.choice(call.convention.range, DepthRange::zero_to_one);
-        archive.choice(call.convention.order, DepthOrder::near_is_large);
+        transfer_view(archive, call);
     }
     archive.list(call.items, [&](auto& item) { archive.whole(item.value); });
     archive.list(call.boxes, [&](auto& box) { transfer_box(archive, box); });

@@ -3,6 +3,7 @@
 
 #include <occlude/core/query_device.h>
 #include <occlude/core/result.h>
+#include <occlude/core/view.h>
 #include <occlude/device/device_verb.h>
 
 #include <iosfwd>
@@ -26,9 +27,12 @@ struct RecordedCall {
     DeviceVerb verb = DeviceVerb::flush;
     DrawPass pass = DrawPass::shade;
     TestMethod method = TestMethod::automatic;
-    glm::mat4 clip_from_world{0.0f};
+    glm::mat4 clip_from_world{0.0f}; ///< these six are what a View is made of
+    glm::dmat4 clip_from_relative{0.0};
+    glm::dvec3 origin{0.0};
     glm::ivec2 size_px{0};
     ClipConvention convention;
+    ViewOptions view_options;
     std::vector<ItemId> items;
     std::vector<RecordedBox> boxes;
     std::vector<uint32_t> test_ends;

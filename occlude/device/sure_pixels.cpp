@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 namespace occlude::detail {
@@ -19,9 +18,8 @@ namespace {
 constexpr double kDepthSlop = 1e-4;
 // ... and only if it lies inside the box's outline by this many pixels.
 constexpr double kOutlineSlopPx = 0.125;
-// How many rounding errors of float a device may make in one coordinate of a corner: products of
-// the matrices, sums of four terms, and the division.
-constexpr double kRoundings = 16.0;
+// In units of what View::clip_rounding() allows a device in one coordinate of a corner.
+constexpr float kRoundings = 4.0f;
 
 // The convex outline of a box on the target, in pixels, and its farthest window depth. Both slops
 // grow with what a device that computes in float cannot know about corners far from the origin.
@@ -59,18 +57,31 @@ std::vector<glm::dvec2> convex_hull(std::array<glm::dvec2, 8> points)
     return hull;
 }
 
-glm::dmat4 absolute(const glm::dmat4& m)
+// How far the terms of a corner's position reach that a device rounds, along each axis of the world
+// and relative to the view's origin: the position itself, or the products of a box's own map.
+glm::dvec3 reach_of(const QueryBox& box, const glm::dmat4& relative_from_box,
+                    const glm::dvec4& corner)
 {
-    return {glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2]), glm::abs(m[3])};
+    if (box.world_from_box == nullptr) {
+        return glm::abs(glm::dvec3{relative_from_box * corner});
+    }
+    glm::dvec4 reach = glm::abs(relative_from_box[3]);
+    for (int axis = 0; axis < 3; ++axis) {
+        reach += glm::abs(relative_from_box[axis] * corner[axis]);
+    }
+    return glm::dvec3{reach};
 }
 
 // Empty if the box reaches behind the eye, or so near it that float cannot tell.
 Outline outline_of(const QueryBox& box, const View& view)
 {
-    const glm::dmat4 clip_from_world{view.clip_from_world()};
-    const glm::dmat4 world_from_box{box.world_from_box ? *box.world_from_box : glm::mat4{1.0f}};
-    const glm::dmat4 clip_from_box = clip_from_world * world_from_box;
-    const glm::dmat4 magnitude = absolute(clip_from_world) * absolute(world_from_box);
+    if (!view.usable()) {
+        return {};
+    }
+    const glm::dmat4& clip_from_relative = view.clip_from_relative();
+    glm::dmat4 relative_from_box{box.world_from_box ? *box.world_from_box : glm::mat4{1.0f}};
+    relative_from_box[3] -= glm::dvec4{view.origin(), 0.0};
+    const glm::dmat4 clip_from_box = clip_from_relative * relative_from_box;
     const bool reversed = view.convention().order == DepthOrder::near_is_large;
     const bool zero_to_one = view.convention().range == DepthRange::zero_to_one;
     const glm::dvec2 size{view.size_px()};
@@ -81,8 +92,8 @@ Outline outline_of(const QueryBox& box, const View& view)
                                 i & 2 ? box.box.max.y : box.box.min.y,
                                 i & 4 ? box.box.max.z : box.box.min.z, 1.0};
         const glm::dvec4 clip = clip_from_box * corner;
-        const glm::dvec4 error = kRoundings * double{std::numeric_limits<float>::epsilon()} *
-                                 (magnitude * glm::abs(corner));
+        const glm::dvec3 reach = reach_of(box, relative_from_box, corner);
+        const glm::dvec4 error{kRoundings * view.clip_rounding(glm::vec3{reach})};
         const double least_w = clip.w - error.w;
         if (!(least_w > 0.0)) {
             return {};

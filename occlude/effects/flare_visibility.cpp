@@ -32,18 +32,34 @@ double farthest_ndc(ClipConvention convention)
     return reversed ? low + inward : 1.0 - inward;
 }
 
-std::optional<Place> place_perspective(const View& view, const glm::dmat4& clip_from_world,
-                                       const glm::vec4& position)
+// Relative to the view's origin: float would not do far from the world's.
+glm::dvec3 relative_position(const View& view, const glm::vec4& position)
 {
-    const glm::dvec3 eye{view.eye()};
+    return glm::dvec3{position} / double{position.w} - view.origin();
+}
+
+// The point that the rows of x, y and w map to 0, relative to the view's origin.
+glm::dvec3 relative_eye(const View& view)
+{
+    const glm::dmat4 rows = glm::transpose(view.clip_from_relative());
+    const glm::dmat3 linear =
+        glm::transpose(glm::dmat3{glm::dvec3{rows[0]}, glm::dvec3{rows[1]}, glm::dvec3{rows[3]}});
+    return glm::inverse(linear) * -glm::dvec3{rows[0].w, rows[1].w, rows[3].w};
+}
+
+std::optional<Place> place_perspective(const View& view, const glm::vec4& position)
+{
+    const glm::dmat4& clip_from_relative = view.clip_from_relative();
+    const glm::dvec3 eye = relative_eye(view);
     const glm::dvec3 toward =
-        position.w != 0.0f ? glm::dvec3{position} / double{position.w} - eye : glm::dvec3{position};
-    const glm::dvec4 step = clip_from_world * glm::dvec4{toward, 0.0}; // clip = at_eye + t * step
+        position.w != 0.0f ? relative_position(view, position) - eye : glm::dvec3{position};
+    // clip = at_eye + t * step
+    const glm::dvec4 step = clip_from_relative * glm::dvec4{toward, 0.0};
     if (!(step.w > 0.0)) {
         return std::nullopt;
     }
     // z / w falls toward or from step.z / step.w with 1 / t: solved for the farthest depth.
-    const double z_eye = (clip_from_world * glm::dvec4{eye, 1.0}).z;
+    const double z_eye = (clip_from_relative * glm::dvec4{eye, 1.0}).z;
     const double t_far = z_eye / (step.w * farthest_ndc(view.convention()) - step.z);
     const double t_light = position.w != 0.0f ? 1.0 : Aabb::kInfinity;
     const double t = t_far > 0.0 ? std::min(t_far, t_light) : t_light;
@@ -54,13 +70,13 @@ std::optional<Place> place_perspective(const View& view, const glm::dmat4& clip_
     return Place{(glm::dvec2{step} / step.w * 0.5 + 0.5) * size, t * step.w};
 }
 
-std::optional<Place> place_orthographic(const View& view, const glm::dmat4& clip_from_world,
-                                        const glm::vec4& position)
+std::optional<Place> place_orthographic(const View& view, const glm::vec4& position)
 {
     if (position.w == 0.0f) {
         return std::nullopt;
     }
-    const glm::dvec4 clip = clip_from_world * (glm::dvec4{position} / double{position.w});
+    const glm::dvec4 clip =
+        view.clip_from_relative() * glm::dvec4{relative_position(view, position), 1.0};
     const double farthest = farthest_ndc(view.convention());
     const bool reversed = view.convention().order == DepthOrder::near_is_large;
     const glm::dvec2 size{view.size_px()};
@@ -71,9 +87,9 @@ std::optional<Place> place_orthographic(const View& view, const glm::dmat4& clip
 
 // The affine map from pixels around `place` to its plane of constant depth: three rows of the
 // matrix, solved for the point.
-glm::mat4 world_from_pixels(const View& view, const glm::dmat4& clip_from_world, const Place& place)
+glm::mat4 world_from_pixels(const View& view, const Place& place)
 {
-    const glm::dmat4 rows = glm::transpose(clip_from_world);
+    const glm::dmat4 rows = glm::transpose(view.clip_from_relative());
     const glm::dvec4 depth_row = view.orthographic() ? rows[2] : rows[3];
     const double w = view.orthographic() ? rows[3].w : place.depth;
     const glm::dmat3 world_from_rows = glm::inverse(glm::transpose(
@@ -88,7 +104,7 @@ glm::mat4 world_from_pixels(const View& view, const glm::dmat4& clip_from_world,
     const glm::dvec3 normal = glm::cross(across, up);
     return glm::mat4{glm::vec4{glm::vec3{across}, 0.0f}, glm::vec4{glm::vec3{up}, 0.0f},
                      glm::vec4{glm::vec3{glm::normalize(normal)}, 0.0f},
-                     glm::vec4{glm::vec3{center}, 1.0f}};
+                     glm::vec4{glm::vec3{center + view.origin()}, 1.0f}};
 }
 
 // How many pixel centres lie in [low, high].
@@ -102,26 +118,23 @@ double centers_between(double low, double high)
 float flare_radius_px(const View& view, const glm::vec3& position_world, float radius_world,
                       float smallest, float largest)
 {
-    const glm::mat4 rows = glm::transpose(view.clip_from_world());
-    const float w = glm::dot(rows[3], glm::vec4{position_world, 1.0f});
-    if (!(w > 0.0f)) {
+    const glm::dmat4 rows = glm::transpose(view.clip_from_relative());
+    const double w = glm::dot(rows[3], glm::dvec4{glm::dvec3{position_world} - view.origin(), 1.0});
+    if (!(w > 0.0)) {
         return smallest;
     }
-    const float pixels_per_unit =
-        0.5f * static_cast<float>(view.size_px().y) * glm::length(glm::vec3{rows[1]}) / w;
-    return std::clamp(radius_world * pixels_per_unit, smallest, largest);
+    const double pixels_per_unit = 0.5 * view.size_px().y * glm::length(glm::dvec3{rows[1]}) / w;
+    return std::clamp(static_cast<float>(radius_world * pixels_per_unit), smallest, largest);
 }
 
 FlareDisc make_flare_disc(const View& view, const FlareLight& light)
 {
     FlareDisc disc;
-    const glm::dmat4 clip_from_world{view.clip_from_world()};
     if (view.size_px().x <= 0 || view.size_px().y <= 0) {
         return disc;
     }
-    const auto place = view.orthographic()
-                           ? place_orthographic(view, clip_from_world, light.position_world)
-                           : place_perspective(view, clip_from_world, light.position_world);
+    const auto place = view.orthographic() ? place_orthographic(view, light.position_world)
+                                           : place_perspective(view, light.position_world);
     const double radius = std::max(light.radius_px, kSmallestRadius);
     const glm::dvec2 size{view.size_px()};
     const bool near_screen = place &&
@@ -130,7 +143,7 @@ FlareDisc make_flare_disc(const View& view, const FlareLight& light)
     if (!near_screen) {
         return disc;
     }
-    const glm::mat4 world_from_disc = world_from_pixels(view, clip_from_world, *place);
+    const glm::mat4 world_from_disc = world_from_pixels(view, *place);
     if (!transformed(world_from_disc, {glm::vec3{0.0f}, glm::vec3{1.0f}}).is_bounded()) {
         return disc; // a view of which nothing is known
     }

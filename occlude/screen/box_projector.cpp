@@ -54,7 +54,13 @@ BoxProjector::BoxProjector(const View& view, SamplePositions samples)
     : inflation(view.inflation())
     , sample_inset_px(inset_px(samples))
 {
-    set_columns(view, view.clip_from_relative(), rounding_of(view));
+    // Boxes are taken relative to the view's origin rounded to float, which lies beside it.
+    const glm::dvec3 beside = glm::dvec3{inflation.origin} - view.origin();
+    glm::dmat4 clip = view.clip_from_relative();
+    glm::dmat4 rounding = rounding_of(view);
+    clip[3] = clip * glm::dvec4{beside, 1.0};
+    rounding[3] = rounding * glm::dvec4{detail::absolute(beside), 1.0};
+    set_columns(view, clip, rounding);
 }
 
 BoxProjector::BoxProjector(const View& view, const glm::mat4& world_from_box,

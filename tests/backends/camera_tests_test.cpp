@@ -218,8 +218,8 @@ TYPED_TEST(CameraTests, NoOwnerOfASampleIsHiddenFarFromTheOrigin)
                 }
                 EXPECT_EQ(tally.lost, 0u)
                     << distance << ", " << name(method) << " of " << tally.owners;
-                // Relative drawing is limited by the boxes, which float rounds to 1/16 unit at 1e6.
-                if (distance <= (drawing == Drawing::relative ? 1e6 : 1e4)) {
+                // Relative drawing is limited by the boxes, which float rounds to 1 unit at 1e7.
+                if (distance <= (drawing == Drawing::relative ? 1e7 : 1e4)) {
                     EXPECT_GT(tally.hidden_share(), 0.1) << distance << ", " << name(method);
                 }
             }

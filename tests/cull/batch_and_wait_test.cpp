@@ -135,6 +135,12 @@ TEST(ScreenShare, IsTheAreaOfTheRectangleOnTheScreen)
     EXPECT_EQ(screen_share(view, {{-1.0f, -1.0f, -10.0f}, {1.0f, 1.0f, 10.0f}}), 1.0f);
     EXPECT_EQ(screen_share(view, Aabb::everything()), 1.0f);
     EXPECT_EQ(screen_share(view, Aabb::empty()), 0.0f);
+    // 1e7 units away, where the matrix of the world has hardly a bit left for the screen.
+    const View far = View::camera_relative(glm::mat4{view.clip_from_relative()},
+                                           view.origin() + 1e7, view.size_px());
+    EXPECT_NEAR(screen_share(far, {{1e7f - 5.0f, 1e7f - 5.0f, 1e7f - 10.0f},
+                                   {1e7f + 5.0f, 1e7f + 5.0f, 1e7f - 10.0f}}),
+                0.25f, 1e-5f);
 }
 
 } // namespace

@@ -246,11 +246,11 @@ TEST(CameraExactness, AMovedOriginShowsTheSameAtEveryDistance)
 }
 
 // Boxes and positions in float, far from zero, under both ways of drawing.
-// Boxes are rounded to 1/128 unit at 1e5 and to 1/16 unit at 1e6.
+// Boxes are rounded to 1/128 unit at 1e5, to 1/16 unit at 1e6 and to 1 unit at 1e7.
 TEST(CameraExactness, FarFromTheOriginNothingIsLost)
 {
     for (const Drawing drawing : {Drawing::relative, Drawing::absolute}) {
-        for (const double distance : {1e4, 1e5, 1e6}) {
+        for (const double distance : {1e4, 1e5, 1e6, 1e7}) {
             Evidence evidence;
             for (uint64_t seed = 0; seed < 4 * test::soak_factor(); ++seed) {
                 Rng rng(7100 + seed);
@@ -275,7 +275,7 @@ TEST(CameraExactness, FarFromTheOriginNothingIsLost)
             }
             // Drawn in world coordinates, positions round by more than these worlds' gaps beyond
             // 1e5; drawn relative to the eye, only boxes are coarse.
-            if (distance <= (drawing == Drawing::relative ? 1e6 : 1e4)) {
+            if (distance <= (drawing == Drawing::relative ? 1e7 : 1e4)) {
                 expect_evidence(evidence);
             }
         }

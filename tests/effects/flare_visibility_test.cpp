@@ -282,6 +282,38 @@ TEST(FlareDisc, CoversThePixelsOfTheDiscInEveryProjection)
     }
 }
 
+// Light and box are where float is coarse, and the eye lies between two floats.
+TEST(FlareDisc, CoversThePixelsOfTheDiscFarFromTheOrigin)
+{
+    SlidingWall nothing;
+    CpuDevice device(nothing);
+    const glm::dvec3 eye{1e7 + 0.375, -3e6 + 0.25, 2e6 - 0.4375};
+    const View view =
+        View::camera_relative(glm::perspectiveRH_NO(1.2f, 4.0f / 3.0f, 0.1f, 100.0f), eye, kSize);
+    const FlareLight light{glm::vec4{glm::vec3{eye + glm::dvec3{-3.0, 2.0, -20.0}}, 1.0f}, 10.0f};
+    const FlareDisc disc = make_flare_disc(view, light);
+    ASSERT_FALSE(disc.strips.empty());
+    EXPECT_EQ(disc.on_screen, 1.0);
+    const glm::dvec3 relative = glm::dvec3{light.position_world} - eye;
+    const glm::dvec4 clip = view.clip_from_relative() * glm::dvec4{relative, 1.0};
+    const glm::dvec4 center =
+        view.clip_from_relative() * glm::dvec4{glm::dvec3{disc.world_from_disc[3]} - eye, 1.0};
+    EXPECT_NEAR(center.x / center.w, clip.x / clip.w, 1e-6);
+    EXPECT_NEAR(center.y / center.w, clip.y / clip.w, 1e-6);
+    std::vector<QueryBox> boxes;
+    for (const Aabb& strip : disc.strips) {
+        boxes.push_back({strip, &disc.world_from_disc, NodeId{}});
+    }
+    const auto end = static_cast<uint32_t>(boxes.size());
+    Ticket ticket;
+    device.begin_frame(view);
+    device.query({boxes, {&end, 1}, TestMethod::automatic}, {&ticket, 1});
+    EXPECT_NEAR(static_cast<double>(device.wait(ticket).samples), 314.159, 6.0);
+    device.end_frame();
+    EXPECT_NEAR(flare_radius_px(view, glm::vec3{light.position_world}, 2.0f, 1.0f, 50.0f),
+                2.0 * 0.5 * kSize.y / std::tan(0.6) / -relative.z, 1e-3);
+}
+
 TEST(FlareDisc, LargeDiscsHaveFewStripsAndOddViewsNone)
 {
     const FlareLight light{{0.0f, 0.0f, -10.0f, 1.0f}, 45.0f};

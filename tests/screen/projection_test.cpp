@@ -1,4 +1,5 @@
 #include <occlude/screen/projection.h>
+#include <occlude/screen/screen_box.h>
 
 #include "screen/projections.h"
 
@@ -221,6 +222,55 @@ TEST(Projection, BoundsHoldFarFromTheOriginWhereFloatsAreCoarse)
     for (const Projection& projection : test::all_projections()) {
         check_points(projection, {4000.0f, -7000.0f, 300.0f}, 20.0f, 72);
     }
+}
+
+// 1e7 units away the eye lies between two floats. Boxes are taken relative to it, not to the float
+// beside it: with that the rectangles of boxes were off by up to half a unit.
+TEST(Projection, BoundsHoldEveryPointWhereTheEyeLiesBetweenTwoFloats)
+{
+    Rng rng(74);
+    int pixels = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const glm::dvec3 eye =
+            glm::dvec3{1e7, -3e6, 2e6} +
+            glm::dvec3{rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f)};
+        const View view = View::camera_relative(glm::perspectiveRH_ZO(1.0f, 1.5f, 0.1f, 100.0f),
+                                                eye, kSize, test::kVulkan);
+        const glm::vec3 low{eye + glm::dvec3{rng.range(-12.0f, 12.0f), rng.range(-8.0f, 8.0f),
+                                             rng.range(-40.0f, -6.0f)}};
+        const Aabb box{low, low + glm::vec3{1.0f, 1.0f, 1.0f}};
+        for (const SamplePositions samples : {SamplePositions::anywhere, SamplePositions::center}) {
+            const ScreenBounds b = project(view, box, samples);
+            const ScreenBox faces{ScreenSpace{view, samples}, box};
+            ASSERT_TRUE(b.valid) << i;
+            for (int k = 0; k < 24; ++k) { // points of the box that are in the middle of a pixel
+                const glm::dvec3 inside =
+                    glm::mix(glm::dvec3{box.min}, glm::dvec3{box.max},
+                             glm::dvec3{rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f),
+                                        rng.range(0.0f, 1.0f)});
+                const glm::dvec4 clip = view.clip_from_relative() * glm::dvec4{inside - eye, 1.0};
+                const glm::dvec2 at = (0.5 * glm::dvec2{clip} / clip.w + 0.5) * glm::dvec2{kSize};
+                const glm::ivec2 pixel{glm::floor(at)};
+                const bool on_screen =
+                    at.x >= 0.0 && at.y >= 0.0 && pixel.x < kSize.x && pixel.y < kSize.y;
+                const glm::dvec2 middle = glm::dvec2{pixel} + 0.5;
+                const bool near_middle = glm::distance(at, middle) < 0.02;
+                if (!on_screen || (samples == SamplePositions::center && !near_middle)) {
+                    continue;
+                }
+                ++pixels;
+                ASSERT_TRUE(pixel.x >= b.rect.x && pixel.x < b.rect.x + b.rect.width &&
+                            pixel.y >= b.rect.y && pixel.y < b.rect.y + b.rect.height)
+                    << "box " << i << ", point " << k;
+                ASSERT_GE(clip.z / clip.w, double{b.near_depth}) << "box " << i;
+                ASSERT_LE(clip.z / clip.w, double{b.far_depth}) << "box " << i;
+                if (samples == SamplePositions::anywhere) {
+                    ASSERT_GE(clip.z / clip.w, faces.nearest_over(pixel, pixel)) << "box " << i;
+                }
+            }
+        }
+    }
+    EXPECT_GT(pixels, 10000);
 }
 
 TEST(Projection, ALargerBoxHasLargerBounds)

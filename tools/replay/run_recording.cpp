@@ -12,7 +12,7 @@ namespace occlude::tools {
 
 namespace {
 
-constexpr std::string_view kMark = "occlrun2";
+constexpr std::string_view kMark = "occlrun3";
 constexpr size_t kHashBytes = 8;
 
 uint64_t hash_of(std::string_view bytes)
@@ -97,6 +97,7 @@ void transfer_view(Archive& archive, OneView& view)
     glm::dvec3 origin = view.origin();
     glm::ivec2 size = view.size_px();
     ClipConvention convention = view.convention();
+    ViewOptions options = view.options();
     transfer_matrix(archive, matrix);
     for (int axis = 0; axis < 3; ++axis) {
         archive.number(origin[axis]);
@@ -105,8 +106,12 @@ void transfer_view(Archive& archive, OneView& view)
     archive.number(size.y);
     archive.choice(convention.range, DepthRange::zero_to_one);
     archive.choice(convention.order, DepthOrder::near_is_large);
+    archive.number(options.viewport_origin_px.x);
+    archive.number(options.viewport_origin_px.y);
+    archive.number(options.tag);
+    archive.choice(options.ignores_near_plane, true);
     if constexpr (Archive::kReads) {
-        view = View::camera_relative(matrix, origin, size, convention);
+        view = View::camera_relative(matrix, origin, size, convention, options);
     }
 }
 

@@ -11,21 +11,21 @@ float screen_share(const View& view, const Aabb& box)
     if (!box.is_bounded()) {
         return box.is_empty() ? 0.0f : 1.0f;
     }
-    glm::vec2 low{1.0f};
-    glm::vec2 high{-1.0f};
+    glm::dvec2 low{1.0};
+    glm::dvec2 high{-1.0};
     for (int corner = 0; corner < 8; ++corner) {
-        const glm::vec3 p{(corner & 1) != 0 ? box.max.x : box.min.x,
-                          (corner & 2) != 0 ? box.max.y : box.min.y,
-                          (corner & 4) != 0 ? box.max.z : box.min.z};
-        const glm::vec4 clip = view.clip_from_world() * glm::vec4{p, 1.0f};
-        if (!(clip.w > 0.0f)) {
+        const glm::dvec3 p{(corner & 1) != 0 ? box.max.x : box.min.x,
+                           (corner & 2) != 0 ? box.max.y : box.min.y,
+                           (corner & 4) != 0 ? box.max.z : box.min.z};
+        const glm::dvec4 clip = view.clip_from_relative() * glm::dvec4{p - view.origin(), 1.0};
+        if (!(clip.w > 0.0)) {
             return 1.0f;
         }
-        low = glm::min(low, glm::vec2{clip} / clip.w);
-        high = glm::max(high, glm::vec2{clip} / clip.w);
+        low = glm::min(low, glm::dvec2{clip} / clip.w);
+        high = glm::max(high, glm::dvec2{clip} / clip.w);
     }
-    const glm::vec2 size = glm::min(high, 1.0f) - glm::max(low, -1.0f);
-    return size.x > 0.0f && size.y > 0.0f ? 0.25f * size.x * size.y : 0.0f;
+    const glm::dvec2 size = glm::min(high, 1.0) - glm::max(low, -1.0);
+    return size.x > 0.0 && size.y > 0.0 ? static_cast<float>(0.25 * size.x * size.y) : 0.0f;
 }
 
 bool ObjectTests::in_frustum(CullFrame& frame, NodeId node, PlaneMask& mask) const

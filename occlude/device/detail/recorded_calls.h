@@ -23,8 +23,11 @@ inline RecordedCall frame_call(const View& view)
 {
     RecordedCall call = call_of(DeviceVerb::begin_frame);
     call.clip_from_world = view.clip_from_world();
+    call.clip_from_relative = view.clip_from_relative();
+    call.origin = view.origin();
     call.size_px = view.size_px();
     call.convention = view.convention();
+    call.view_options = view.options();
     return call;
 }
 
