@@ -2,7 +2,7 @@
 """Measures what the documentation states, and writes the pages that state it.
 
 usage: measure.py run [NAME...] [--program build/bin/occlude] [--microbench build-bench/bin/occlude_benchmarks]
-                      [--machine NAME]
+                      [--tests build/bin/test_cull] [--machine NAME]
        measure.py pages [--machine NAME]
        measure.py check [--machine NAME]
 
@@ -11,8 +11,8 @@ benchmarks/measurements.toml lists the measurements: a name, the page, the comma
 in benchmarks/results/MACHINE/NAME.json, with the commands, the commit, the date and the machine.
 `pages` writes docs/measurements/*.md from these files, and the blocks between
 `<!-- measured: NAME -->` and `<!-- end -->` in other pages; `<!-- measured: NAME a,b -->` shows the rows
-a and b only. `check` changes nothing and exits with 1 if
-`pages` would.
+a and b only. `check` changes nothing and exits with 1 if `pages` would change a file, or if
+docs/measurements/ has a page that no measurement makes.
 """
 
 import argparse
@@ -30,6 +30,8 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+# Pages of docs/measurements/ that other commands keep: the contents, and the table of `./dev soak`.
+OTHER_PAGES = {"README", "trust"}
 BLOCK = re.compile(r"(<!-- measured: (\w+)(?: ([\w,]+))? -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -102,7 +104,11 @@ def run_command(command, programs):
         raise Problem(f"'{command}' starts with {kind}; it must start with {' or '.join(programs)}")
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out.json"
-        json_words = {"occlude": ["--json", str(out)], "microbench": [f"--benchmark_out={out}"]}
+        json_words = {
+            "occlude": ["--json", str(out)],
+            "microbench": [f"--benchmark_out={out}"],
+            "test_cull": [f"--gtest_output=json:{out}"],
+        }
         done = subprocess.run([programs[kind], *words[1:], *json_words[kind]], cwd=ROOT, check=False)
         if not out.exists():
             raise Problem(f"'{command}' ended with {done.returncode} and wrote no JSON")
@@ -163,20 +169,32 @@ def runs_of(document):
             yield part["scene"]["name"], run
 
 
-def run_of(document, algorithm):
-    """The run of an algorithm, as --algorithms names it."""
+def run_of(document, algorithm, hierarchy=None):
+    """The run of an algorithm, as --algorithms names it; on this kind of tree, if one is named."""
     for _, run in runs_of(document):
-        if run["algorithm"] == algorithm:
+        if run["algorithm"] == algorithm and hierarchy in (None, run["hierarchy"]):
             return run
     raise Problem(f"there is no run of {algorithm}")
 
 
+def figure(document, run, column):
+    """What a column says of a run: a value, or with `over` its ratio to the value of another run."""
+    value = look_up(run, column["value"])
+    if "over" not in column or value is None:
+        return shown(value)
+    base = look_up(run_of(document, column["over"], run["hierarchy"]), column["value"])
+    return shown(value / base if base else None)
+
+
 def table_of_runs(entry, kept):
-    """One row for each run of the first command."""
+    """One row for each run of each command, the command's label before the algorithm."""
     columns = entry["columns"]
-    lines = [[""] + [column["title"] for column in columns]]
-    for _, run in runs_of(kept["rows"][0]["document"]):
-        lines.append([f"`{run['algorithm']}`"] + [shown(look_up(run, c["value"])) for c in columns])
+    lines = [[entry.get("row_title", "")] + [column["title"] for column in columns]]
+    for row, measured in zip(entry["rows"], kept["rows"]):
+        label = f"{row['label']}, " if len(entry["rows"]) > 1 else ""
+        document = measured["document"]
+        for _, run in runs_of(document):
+            lines.append([f"{label}`{run['algorithm']}`"] + [figure(document, run, c) for c in columns])
     return lines
 
 
@@ -187,9 +205,30 @@ def table_of_rows(entry, kept):
     for row, measured in zip(entry["rows"], kept["rows"]):
         cells = [row["label"]]
         for column in columns:
-            cells.append(shown(look_up(run_of(measured["document"], column["run"]), column["value"])))
+            document = measured["document"]
+            cells.append(figure(document, run_of(document, column["run"]), column))
         lines.append(cells)
     return lines
+
+
+def table_of_tests(entry, kept):
+    """One row for each test that recorded the properties that the columns name."""
+    columns = entry["columns"]
+    lines = [[column["title"] for column in columns]]
+    for measured in kept["rows"]:
+        for suite in measured["document"]["testsuites"]:
+            for test in suite["testsuite"]:
+                if all(column["value"] in test for column in columns):
+                    lines.append([as_shown(test[column["value"]]) for column in columns])
+    return lines
+
+
+def as_shown(text):
+    """A property of a test: shortened if it is a number."""
+    try:
+        return shown(float(text))
+    except ValueError:
+        return text
 
 
 def table_of_microbench(entry, kept):
@@ -234,6 +273,7 @@ TABLES = {
     "rows": table_of_rows,
     "trees": table_of_trees,
     "microbench": table_of_microbench,
+    "tests": table_of_tests,
 }
 
 
@@ -284,6 +324,8 @@ def page_texts(root, measurements, folder):
     pages = {}
     for entry in measurements:
         if entry["name"] in kept:
+            if [row["command"] for row in entry["rows"]] != [row["command"] for row in kept[entry["name"]]["rows"]]:
+                raise Problem(f"the commands of '{entry['name']}' have changed; measure it again")
             pages.setdefault(entry["page"], []).append(section(entry, kept[entry["name"]]))
     texts = {}
     for page, sections in pages.items():
@@ -293,6 +335,8 @@ def page_texts(root, measurements, folder):
             "Written by `scripts/measure.py pages` from `benchmarks/results/`; not by hand. "
             "`scripts/measure.py run` measures again.\n\n"
         )
+        if (root / "docs" / "algorithms" / f"{page}.md").exists():
+            head += f"[The manual page](../algorithms/{page}.md) explains the options.\n\n"
         texts[root / "docs" / "measurements" / f"{page}.md"] = head + "\n".join(sections)
     by_name = {entry["name"]: entry for entry in measurements}
     for path in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
@@ -311,12 +355,19 @@ def page_texts(root, measurements, folder):
     return texts
 
 
+def pages_of_nothing(root, measurements):
+    """The pages of docs/measurements/ that no measurement makes."""
+    pages = {entry["page"] for entry in measurements} | OTHER_PAGES
+    return [path for path in sorted((root / "docs" / "measurements").glob("*.md")) if path.stem not in pages]
+
+
 def main(arguments):
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("verb", choices=("run", "pages", "check"))
     parser.add_argument("names", nargs="*")
     parser.add_argument("--program", default="build/bin/occlude")
     parser.add_argument("--microbench", default="build-bench/bin/occlude_benchmarks")
+    parser.add_argument("--tests", default="build/bin/test_cull")
     parser.add_argument("--machine")
     options = parser.parse_args(arguments)
     measurements = load_measurements()
@@ -329,6 +380,7 @@ def main(arguments):
         programs = {
             "occlude": str(ROOT / options.program),
             "microbench": str(ROOT / options.microbench),
+            "test_cull": str(ROOT / options.tests),
         }
         for entry in measurements:
             if not options.names or entry["name"] in options.names:
@@ -336,6 +388,9 @@ def main(arguments):
                 measure(entry, folder, programs)
         return 0
     stale = 0
+    for path in pages_of_nothing(ROOT, measurements):
+        stale += 1
+        print(f"measure: {path.relative_to(ROOT)} is the page of no measurement")
     for path, text in page_texts(ROOT, measurements, folder).items():
         if path.exists() and path.read_text("utf-8") == text:
             continue

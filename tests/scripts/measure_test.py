@@ -60,6 +60,49 @@ class Measure(unittest.TestCase):
         text = measure.table({**ENTRY, "table": "rows"}, RESULT)
         self.assertIn("| castle | 12.3 | 114,462 |", text)
 
+    def test_several_commands_name_their_rows(self):
+        entry = {**ENTRY, "rows": [{"label": "castle", "command": "a"}, {"label": "city", "command": "b"}]}
+        text = measure.table(entry, {**RESULT, "rows": RESULT["rows"] * 2})
+        self.assertIn("| castle, `chc` | 12.3", text)
+        self.assertIn("| city, `chc` | 12.3", text)
+
+    def test_a_column_can_be_a_ratio_to_another_run_on_the_same_tree(self):
+        runs = [run("frustum", 20.0, 100.0), run("chc", 5.0, 25.0)]
+        runs += [run("frustum", 20.0, 200.0, "bsp"), run("chc", 5.0, 100.0, "bsp")]
+        column = {"title": "share", "value": "per_frame.triangles_drawn", "over": "frustum"}
+        text = measure.table({**ENTRY, "columns": [column]}, kept(runs))
+        self.assertIn("| `chc` | 0.25 |", text)
+        self.assertIn("| `chc` | 0.5 |", text)
+
+    def test_a_table_of_tests_shows_what_they_recorded(self):
+        entry = {
+            **ENTRY,
+            "table": "tests",
+            "columns": [{"title": "device", "value": "device"}, {"title": "time", "value": "time_of_best"}],
+        }
+        tests = [{"name": "A", "device": "late answers", "time_of_best": "1.02345"}, {"name": "B"}]
+        document = {"testsuites": [{"testsuite": tests}]}
+        text = measure.table(entry, {**RESULT, "rows": [{"command": "test_cull", "document": document}]})
+        self.assertIn("| late answers | 1.02 |", text)
+        self.assertEqual(len(text.splitlines()), 3)
+
+    def test_results_of_other_commands_are_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            (root / "castle.json").write_text(json.dumps(RESULT))
+            entry = {**ENTRY, "rows": [{"label": "castle", "command": "occlude bench other.glb"}]}
+            with self.assertRaises(measure.Problem):
+                measure.page_texts(root, [entry], root)
+
+    def test_a_page_without_a_measurement_is_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pages = Path(folder) / "docs" / "measurements"
+            pages.mkdir(parents=True)
+            for name in ("side_by_side", "README", "by_hand"):
+                (pages / f"{name}.md").write_text("")
+            found = measure.pages_of_nothing(Path(folder), [ENTRY])
+            self.assertEqual([path.stem for path in found], ["by_hand"])
+
     def test_a_table_of_trees_compares_with_the_best_tree(self):
         runs = [run("chc", 10.0, 1, "bvh"), run("chc", 20.0, 1, "bsp")]
         entry = {**ENTRY, "table": "trees", "columns": [{"title": "chc", "run": "chc"}]}

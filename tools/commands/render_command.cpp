@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <ostream>
 
 namespace occlude::tools {
@@ -28,7 +29,7 @@ struct Plan {
     FrameRange frames;
     bool many = false; ///< into a directory
     Show show = Show::visible;
-    CameraChoice camera = CameraChoice::path;
+    bool overview = false;
 };
 
 Result<Plan> make_plan(const RenderOptions& options)
@@ -43,8 +44,8 @@ Result<Plan> make_plan(const RenderOptions& options)
                      fmt::format("--camera: there is no camera '{}'; choose path or overview",
                                  options.camera)};
     }
-    plan.camera = options.camera == "overview" ? CameraChoice::overview : CameraChoice::path;
-    const std::string standard = plan.camera == CameraChoice::overview ? "states" : "visible";
+    plan.overview = options.camera == "overview";
+    const std::string standard = plan.overview ? "states" : "visible";
     const auto show = kShows.find(options.show.empty() ? standard : options.show);
     if (show == kShows.end()) {
         return Error{ErrorCode::invalid_argument,
@@ -141,13 +142,17 @@ Result<int> render_frames(Session& session, Culler& culler, std::span<const Came
 {
     session.renderer().warm_up();
     Progress progress{streams.err, streams.watcher, "rendering " + session.model().name};
+    std::optional<Camera> observer; // one for all frames, so that the scene stands still
+    if (plan.overview) {
+        observer = overview_camera(session.model(), cameras[plan.frames.first], options.stage.size);
+    }
     const size_t start = plan.frames.first - std::min(plan.frames.first, kLeadIn);
     for (size_t frame = start; frame <= plan.frames.last; ++frame) {
         cull_frame(session, culler, make_view(cameras[frame], options.stage.size), frame);
         if (frame < plan.frames.first) {
             continue;
         }
-        const Image image = draw_picture(session, culler, cameras[frame], plan.show, plan.camera);
+        const Image image = draw_picture(session, culler, cameras[frame], plan.show, observer);
         const fs::path path = plan.many
                                   ? fs::path{options.out} / fmt::format("frame_{:04}.png", frame)
                                   : fs::path{options.out};

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace occlude::tools {
 
@@ -103,13 +104,34 @@ void draw_decided_boxes(Session& session, const Culler& culler, const View& view
     }
 }
 
+/// Draws the frustum over the picture in lines of three pixels; devices draw lines of one.
+Image with_frustum(Session& session, const View& view, const View& path_view)
+{
+    const Image without = session.renderer().capture().color;
+    const float reach = glm::length(world_bounds(session.model()).extent());
+    session.renderer().draw_lines(view, frustum_edges(path_view, reach), kFrustumColor, true);
+    const Image with = session.renderer().capture().color;
+    Image image = with;
+    const glm::ivec2 size = with.size;
+    const auto pixel = [&](int x, int y) { return static_cast<size_t>(y * size.x + x); };
+    for (int y = 1; y + 1 < size.y; ++y) {
+        for (int x = 1; x + 1 < size.x; ++x) {
+            if (with.pixels[pixel(x, y)] != without.pixels[pixel(x, y)]) {
+                for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+                    image.pixels[pixel(x + dx, y + dy)] = with.pixels[pixel(x, y)];
+                }
+            }
+        }
+    }
+    return image;
+}
+
 // What the renderer's target holds afterwards is the picture, up to lines and tints.
 void draw_items_for(Session& session, const Culler& culler, const View& view, Show show,
-                    CameraChoice choice)
+                    bool from_outside)
 {
     const Stage stage = session.stage();
-    const bool by_state =
-        show == Show::states || (show == Show::boxes && choice == CameraChoice::overview);
+    const bool by_state = show == Show::states || (show == Show::boxes && from_outside);
     if (!by_state) {
         stage.renderer.render(view, culler.drawn_items());
         return;
@@ -137,7 +159,7 @@ std::vector<Decision> item_decisions(const Culler& culler, size_t item_count)
 Camera overview_camera(const SceneModel& model, const Camera& path_camera, glm::ivec2 size)
 {
     constexpr float kFovY = 40.0f;   // degrees
-    constexpr float kTilt = 0.6f;    // how far behind per unit of height
+    constexpr float kTilt = 1.0f;    // how far behind per unit of height: walls show, too
     constexpr float kMargin = 1.08f; // of the distance from which the bounds just fit
     const Aabb bounds = find_focus(model).box;
     const glm::vec3 up = glm::normalize(model.up);
@@ -200,24 +222,19 @@ std::array<glm::vec3, 24> frustum_edges(const View& view, float reach)
 }
 
 Image draw_picture(Session& session, const Culler& culler, const Camera& camera, Show show,
-                   CameraChoice choice)
+                   const std::optional<Camera>& observer)
 {
     const glm::ivec2 size = session.options().size;
     const View path_view = make_view(camera, size);
-    const bool overview = choice == CameraChoice::overview;
-    const View view =
-        overview ? make_view(overview_camera(session.model(), camera, size), size) : path_view;
+    const View view = observer ? make_view(*observer, size) : path_view;
     const std::vector<ItemId> hidden = hidden_in_frustum(session.stage(), culler, path_view);
 
-    draw_items_for(session, culler, view, show, choice);
+    draw_items_for(session, culler, view, show, observer.has_value());
     if (show == Show::boxes) {
         draw_decided_boxes(session, culler, view);
     }
-    if (overview) {
-        const float reach = glm::length(world_bounds(session.model()).extent());
-        session.renderer().draw_lines(view, frustum_edges(path_view, reach), kFrustumColor, true);
-    }
-    Image image = session.renderer().capture().color;
+    Image image =
+        observer ? with_frustum(session, view, path_view) : session.renderer().capture().color;
     if (show == Show::hidden) {
         shine_through(session, view, hidden, image);
     }

@@ -7,6 +7,7 @@
 #include <occlude/cull/culler.h>
 
 #include <array>
+#include <optional>
 
 namespace occlude::tools {
 
@@ -16,7 +17,6 @@ enum class Show {
     boxes,   ///< ... with the boxes of the nodes that were decided
     states,  ///< every item in the colour of its decision
 };
-enum class CameraChoice { path, overview };
 
 /// The decision of every item, indexed by ItemId, also for cullers that decide for items rather
 /// than nodes: what they drew counts as drawn.
@@ -32,8 +32,9 @@ std::array<glm::vec3, 24> box_edges(const Aabb& box);
 /// The end points of the 12 edges of a view's frustum, cut off `reach` world units from the eye.
 std::array<glm::vec3, 24> frustum_edges(const View& view, float reach);
 
-/// The picture of the frame that `culler` has just culled on the session's renderer.
+/// The picture of the frame that `culler` has just culled for `camera` on the session's renderer:
+/// as that camera sees it, or as an observer does, with the camera's frustum in white lines.
 Image draw_picture(Session& session, const Culler& culler, const Camera& camera, Show show,
-                   CameraChoice choice);
+                   const std::optional<Camera>& observer);
 
 } // namespace occlude::tools

@@ -17,6 +17,8 @@ constexpr float kFinestCell = 0.25f; // metres
 constexpr int kMostCells = 800;      // along the ground
 constexpr int kMostLayers = 255;
 constexpr float kClutterCell = 4.0f; // metres
+/// An object counts as this many triangles beside its own.
+constexpr uint32_t kTrianglesOfAnObject = 2048;
 
 glm::mat3 local_axes(const glm::vec3& up)
 {
@@ -85,7 +87,7 @@ SolidGrid::SolidGrid(const SceneModel& model)
     bits_.assign(static_cast<size_t>(size_x_) * static_cast<size_t>(size_z_) *
                      static_cast<size_t>(words_),
                  0);
-    count_items(model);
+    prepare_clutter(model.unit);
     std::vector<glm::vec3> cells;
     for (const Instance& instance : model.instances) {
         const Mesh& mesh = model.meshes[instance.mesh];
@@ -93,33 +95,39 @@ SolidGrid::SolidGrid(const SceneModel& model)
             continue; // far away: its cells would be those at the edge
         }
         cells.clear();
+        Aabb box;
         for (const glm::vec3& position : mesh.positions) {
             cells.push_back(
                 to_cells(glm::vec3{instance.world_from_mesh * glm::vec4{position, 1.0f}}));
+            box = merge(box, Aabb{cells.back(), cells.back()});
         }
+        add_clutter(box.center(), kTrianglesOfAnObject);
         for (size_t i = 0; i < mesh.indices.size(); i += 3) {
-            mark(cells[mesh.indices[i]], cells[mesh.indices[i + 1]], cells[mesh.indices[i + 2]]);
+            const glm::vec3& a = cells[mesh.indices[i]];
+            const glm::vec3& b = cells[mesh.indices[i + 1]];
+            const glm::vec3& c = cells[mesh.indices[i + 2]];
+            add_clutter((a + b + c) / 3.0f, 1);
+            mark(a, b, c);
         }
     }
 }
 
-void SolidGrid::count_items(const SceneModel& model)
+void SolidGrid::prepare_clutter(float unit)
 {
-    const float size = kClutterCell * model.unit;
+    const float size = kClutterCell * unit;
     clutter_cell_ = {std::max(1, static_cast<int>(size / cell_)),
                      std::max(1, static_cast<int>(size / cell_y_)),
                      std::max(1, static_cast<int>(size / cell_))};
     clutter_size_ = glm::ivec3{size_x_, size_y_, size_z_} / clutter_cell_ + 1;
-    items_.assign(static_cast<size_t>(clutter_size_.x) * static_cast<size_t>(clutter_size_.y) *
-                      static_cast<size_t>(clutter_size_.z),
-                  0);
-    for (const Instance& instance : model.instances) {
-        for (const MeshPart& part : model.meshes[instance.mesh].parts) {
-            const Aabb box = transformed(instance.world_from_mesh, part.box);
-            const glm::ivec3 at{to_cells(box.center())};
-            ++items_[clutter_cell(at.x, at.y, at.z)];
-        }
-    }
+    clutter_.assign(static_cast<size_t>(clutter_size_.x) * static_cast<size_t>(clutter_size_.y) *
+                        static_cast<size_t>(clutter_size_.z),
+                    0);
+}
+
+void SolidGrid::add_clutter(const glm::vec3& cells, uint32_t triangles)
+{
+    const glm::ivec3 at{cells};
+    clutter_[clutter_cell(at.x, at.y, at.z)] += triangles;
 }
 
 size_t SolidGrid::clutter_cell(int x, int y, int z) const
@@ -134,9 +142,9 @@ size_t SolidGrid::clutter_cell(int x, int y, int z) const
 
 float SolidGrid::clutter(int x, int y, int z) const
 {
-    const auto count = static_cast<float>(items_[clutter_cell(x, y, z)] +
-                                          items_[clutter_cell(x, y + clutter_cell_.y, z)]);
-    return std::min(1.0f, 0.25f * std::sqrt(count));
+    const auto triangles = static_cast<float>(clutter_[clutter_cell(x, y, z)] +
+                                              clutter_[clutter_cell(x, y + clutter_cell_.y, z)]);
+    return std::min(1.0f, 0.25f * std::sqrt(triangles / kTrianglesOfAnObject));
 }
 
 glm::vec3 SolidGrid::to_cells(const glm::vec3& world) const

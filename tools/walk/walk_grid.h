@@ -31,8 +31,8 @@ public:
     bool solid(int x, int y, int z) const;
     /// True if any cell of [y_begin, y_end) is solid.
     bool any_solid(int x, int z, int y_begin, int y_end) const;
-    /// How much there is to see in the cells around: 0 to 1, growing with the number of items whose
-    /// middle lies within some metres.
+    /// How much there is to see in the cells around: 0 to 1, growing with the objects and triangles
+    /// within some metres. Does not depend on how meshes are cut into items.
     float clutter(int x, int y, int z) const;
     bool column_empty(int x, int z) const { return !any_solid(x, z, 0, size_y_); }
 
@@ -41,7 +41,8 @@ public:
     glm::vec3 to_cells(const glm::vec3& world) const;
 
 private:
-    void count_items(const SceneModel& model);
+    void prepare_clutter(float unit);
+    void add_clutter(const glm::vec3& cells, uint32_t triangles);
     size_t clutter_cell(int x, int y, int z) const;
     void mark(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
     void mark_range(int x, int z, float low, float high);
@@ -55,9 +56,9 @@ private:
     int size_z_ = 1;
     int words_ = 1; ///< per column
     std::vector<uint64_t> bits_;
-    glm::ivec3 clutter_cell_{1}; ///< cells per cell of items_
+    glm::ivec3 clutter_cell_{1}; ///< cells per cell of clutter_
     glm::ivec3 clutter_size_{1};
-    std::vector<uint32_t> items_; ///< items by their middle, in coarse cells
+    std::vector<uint32_t> clutter_; ///< triangles in coarse cells, and an allowance per object
 };
 
 /// A place to stand: the free cell above a floor.

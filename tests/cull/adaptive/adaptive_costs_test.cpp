@@ -165,6 +165,7 @@ TEST_P(AdaptiveCosts, KeepsUpWithTheBestFixedAlgorithmInAStreet)
     }
     std::vector<FrameReport> reports;
     const double adaptive = model.seconds("adaptive", in_the_street, &reports);
+    RecordProperty("device", GetParam().name);
     RecordProperty("best", best_name);
     RecordProperty("time_of_best", std::to_string(adaptive / best));
     EXPECT_LE(adaptive, 1.10 * best)

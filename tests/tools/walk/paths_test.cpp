@@ -2,6 +2,7 @@
 
 #include "generate/scene_source.h"
 #include "model/mesh_tools.h"
+#include "support/source_dir.h"
 #include "tools/temp_folder.h"
 
 #include <gtest/gtest.h>
@@ -96,6 +97,22 @@ TEST(WalkPath, IsTheSameEveryTime)
     for (size_t i = 0; i < first.size(); ++i) {
         EXPECT_EQ(first[i].eye, second[i].eye);
         EXPECT_EQ(first[i].target, second[i].target);
+    }
+}
+
+// Otherwise runs with different --item-triangles would not compare: their cameras went elsewhere.
+TEST(WalkPath, DoesNotDependOnHowMeshesAreCutIntoItems)
+{
+    const std::string castle = source_dir() + "/assets/castle/castle.glb";
+    const auto whole = load_scene(castle, {.item_triangles = 100000});
+    const auto cut = load_scene(castle, {.item_triangles = 256});
+    ASSERT_TRUE(whole && cut);
+    const std::vector<Camera> first = path("walk", *whole, 20);
+    const std::vector<Camera> second = path("walk", *cut, 20);
+    ASSERT_EQ(first.size(), second.size());
+    for (size_t i = 0; i < first.size(); ++i) {
+        EXPECT_LT(glm::distance(first[i].eye, second[i].eye), 0.01f) << "frame " << i;
+        EXPECT_LT(glm::distance(first[i].target, second[i].target), 0.01f) << "frame " << i;
     }
 }
 
