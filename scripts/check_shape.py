@@ -38,11 +38,7 @@ STILL_LONG = {
     ("tests/cull/two_level_test.cpp", "file"),
     ("tests/peers/peers_test.cpp", "file"),
     ("tests/screen/kernels_test.cpp", "function"),
-    ("tests/tools/load/loader_test.cpp", "file"),
-    ("tests/tools/model/motion_test.cpp", "file"),
-    ("tests/tools/render/gl_renderer_test.cpp", "file"),
     ("tests/views/many_views_test.cpp", "function"),
-    ("tools/render/gl_renderer.cpp", "file"),
 }
 
 REASON = re.compile(r"^//\s+Long because: \S+")

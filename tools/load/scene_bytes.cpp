@@ -127,77 +127,60 @@ private:
     bool good_ = true;
 };
 
-template <class Archive, class Text>
-requires std::is_same_v<std::remove_const_t<Text>, std::string>
-void entry(Archive& archive, Text& text)
+template <class Archive, class... Fields>
+void fields(Archive& archive, Fields&... all)
+{
+    (archive.field(all), ...);
+}
+
+template <class T, class Kind>
+concept Is = std::is_same_v<std::remove_const_t<T>, Kind>;
+
+// The same list of fields writes and reads: `archive` is a Writer with a const record, or a Reader.
+
+template <class Archive>
+void entry(Archive& archive, Is<std::string> auto& text)
 {
     archive.field(text);
 }
 
-template <class Archive, class M>
-requires std::is_same_v<std::remove_const_t<M>, LoadedMesh>
-void entry(Archive& archive, M& mesh)
+template <class Archive>
+void entry(Archive& archive, Is<LoadedMesh> auto& mesh)
 {
-    archive.field(mesh.name);
-    archive.field(mesh.positions);
-    archive.field(mesh.normals);
-    archive.field(mesh.indices);
-    archive.field(mesh.material);
-    archive.field(mesh.left_out);
+    fields(archive, mesh.name, mesh.positions, mesh.normals, mesh.indices, mesh.material,
+           mesh.left_out);
 }
 
-template <class Archive, class I>
-requires std::is_same_v<std::remove_const_t<I>, LoadedInstance>
-void entry(Archive& archive, I& instance)
+template <class Archive>
+void entry(Archive& archive, Is<LoadedInstance> auto& instance)
 {
-    archive.field(instance.name);
-    archive.field(instance.mesh);
-    archive.field(instance.world_from_mesh);
+    fields(archive, instance.name, instance.mesh, instance.world_from_mesh);
 }
 
-template <class Archive, class M>
-requires std::is_same_v<std::remove_const_t<M>, LoadedMaterial>
-void entry(Archive& archive, M& material)
+template <class Archive>
+void entry(Archive& archive, Is<LoadedMaterial> auto& material)
 {
-    archive.field(material.name);
-    archive.field(material.color);
-    archive.field(material.opacity);
-    archive.field(material.surface);
+    fields(archive, material.name, material.color, material.opacity, material.surface);
 }
 
-template <class Archive, class F>
-requires std::is_same_v<std::remove_const_t<F>, SourceFile>
-void entry(Archive& archive, F& source)
+template <class Archive>
+void entry(Archive& archive, Is<SourceFile> auto& source)
 {
-    archive.field(source.path);
-    archive.field(source.hash);
+    fields(archive, source.path, source.hash);
 }
 
-template <class Archive, class C>
-requires std::is_same_v<std::remove_const_t<C>, LoadedCamera>
-void entry(Archive& archive, C& camera)
+template <class Archive>
+void entry(Archive& archive, Is<LoadedCamera> auto& camera)
 {
-    archive.field(camera.name);
-    archive.field(camera.eye);
-    archive.field(camera.forward);
-    archive.field(camera.up);
-    archive.field(camera.fov_y);
-    archive.field(camera.near);
-    archive.field(camera.far);
+    fields(archive, camera.name, camera.eye, camera.forward, camera.up, camera.fov_y, camera.near,
+           camera.far);
 }
 
-template <class Archive, class S>
-void scene_fields(Archive& archive, S& scene)
+template <class Archive>
+void entry(Archive& archive, Is<LoadedScene> auto& scene)
 {
-    archive.field(scene.meshes);
-    archive.field(scene.instances);
-    archive.field(scene.materials);
-    archive.field(scene.cameras);
-    archive.field(scene.units_per_metre);
-    archive.field(scene.up);
-    archive.field(scene.format_is_metric);
-    archive.field(scene.notes);
-    archive.field(scene.sources);
+    fields(archive, scene.meshes, scene.instances, scene.materials, scene.cameras,
+           scene.units_per_metre, scene.up, scene.format_is_metric, scene.notes, scene.sources);
 }
 
 bool consistent(const LoadedScene& scene)
@@ -228,7 +211,7 @@ bool write_scene(std::FILE* out, const LoadedScene& scene)
 {
     Writer writer(out);
     writer.raw(kMagic.data(), kMagic.size());
-    scene_fields(writer, scene);
+    entry(writer, scene);
     writer.raw(kEnd.data(), kEnd.size());
     return writer.good();
 }
@@ -243,7 +226,7 @@ std::optional<LoadedScene> read_scene(std::span<const uint8_t> bytes)
         return std::nullopt;
     }
     LoadedScene scene;
-    scene_fields(reader, scene);
+    entry(reader, scene);
     reader.raw(end.data(), end.size());
     return reader.good() && end == kEnd && consistent(scene) ? std::optional{std::move(scene)}
                                                              : std::nullopt;

@@ -1,14 +1,11 @@
 #include "render/gl_renderer.h"
 
-#include "render/gl_shaders.h"
+#include "render/gl_lines.h"
+#include "render/gl_programs.h"
 
 #include <occlude/core/assert.h>
 
-#include <glm/geometric.hpp>
-#include <glm/gtc/type_ptr.hpp>
-
 #include <algorithm>
-#include <array>
 
 namespace occlude::tools {
 
@@ -16,47 +13,6 @@ namespace {
 
 constexpr glm::vec4 kBackground{0.55f, 0.68f, 0.82f, 1.0f};
 constexpr int kClipControlVersion = 45;
-constexpr float kSnapsPerPixel = 256.0f; // see kPosition in gl_shaders.h
-
-// A light from above, oblique to the axes so that the faces of a box differ.
-glm::vec3 direction_toward_light(const glm::vec3& up)
-{
-    const glm::vec3 side = std::abs(up.x) < 0.5f ? glm::vec3{1, 0, 0} : glm::vec3{0, 0, 1};
-    const glm::vec3 right = glm::normalize(glm::cross(side, up));
-    const glm::vec3 forward = glm::cross(up, right);
-    return glm::normalize(0.8f * glm::normalize(up) + 0.5f * right + 0.25f * forward);
-}
-
-struct Programs {
-    GlProgram shade;
-    GlProgram depth;
-    GlProgram ids;
-    GlProgram lines;
-
-    static Result<Programs> make()
-    {
-        Programs programs;
-        struct Wanted {
-            GlProgram& program;
-            const char* name;
-            const std::string& vertex;
-            const std::string& fragment;
-        };
-        const std::array<Wanted, 4> all{
-            {{programs.shade, "shade", shaders::kShadeVertex, shaders::kShadeFragment},
-             {programs.depth, "depth", shaders::kDepthVertex, shaders::kDepthFragment},
-             {programs.ids, "ids", shaders::kIdVertex, shaders::kIdFragment},
-             {programs.lines, "lines", shaders::kLineVertex, shaders::kLineFragment}}};
-        for (const Wanted& wanted : all) {
-            Result<GlProgram> made = make_program(wanted.name, wanted.vertex, wanted.fragment);
-            if (!made) {
-                return made.error();
-            }
-            wanted.program = std::move(*made);
-        }
-        return programs;
-    }
-};
 
 class GlRenderer final : public SceneRenderer, public GlPictureSource, private GlScene {
 public:
@@ -102,19 +58,16 @@ private:
     }
 
     void set_view(const View& view);
-    void use_camera(const GlProgram& program) const;
 
     std::shared_ptr<GlContext> context_; // first: everything below dies in it
     const SceneModel& model_;
     int gl_version_ = 0;
-    glm::vec3 toward_light_{0.0f, 1.0f, 0.0f};
     size_t item_count_ = 0;
     std::vector<bool> translucent_; ///< by ItemId; empty if no item is
     GlGeometry geometry_;
     GlTarget target_;
-    Programs programs_;
-    GlVertexArray line_vertices_;
-    GlStreamBuffer line_points_;
+    GlPrograms programs_;
+    GlLines lines_;
     std::unique_ptr<GlDepthReader> depth_reader_;
     std::unique_ptr<GlDevice> device_;
     View view_;
@@ -126,18 +79,10 @@ GlRenderer::GlRenderer(std::shared_ptr<GlContext> context, const SceneModel& mod
     : context_(std::move(context))
     , model_(model)
     , gl_version_(gl_version)
-    , toward_light_(direction_toward_light(model.up))
     , item_count_(items.size())
     , geometry_(model, items, gl_version)
-    , line_vertices_(GlVertexArray::make())
-    , line_points_(sizeof(glm::vec3), 4096)
 {
     find_translucent(items);
-    glBindVertexArray(line_vertices_.name());
-    glBindBuffer(GL_ARRAY_BUFFER, line_points_.name());
-    glEnableVertexAttribArray(0);
-    glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
-    glBindVertexArray(0);
 }
 
 void GlRenderer::find_translucent(std::span<const SceneModel::Item> items)
@@ -155,14 +100,11 @@ void GlRenderer::find_translucent(std::span<const SceneModel::Item> items)
 
 Result<bool> GlRenderer::make_parts(glm::ivec2 size, int samples, const GlRendererOptions& options)
 {
-    Result<Programs> programs = Programs::make();
+    Result<GlPrograms> programs = make_programs(model_.up);
     if (!programs) {
         return programs.error();
     }
     programs_ = std::move(*programs);
-    glUseProgram(programs_.shade.name());
-    glUniform3fv(glGetUniformLocation(programs_.shade.name(), "toward_light"), 1, &toward_light_.x);
-
     Result<bool> target = target_.resize(size, samples);
     if (!target) {
         return target.error();
@@ -239,27 +181,13 @@ void GlRenderer::set_view(const View& view)
     glClearDepth(convention.order == DepthOrder::near_is_large ? 0.0 : 1.0);
 }
 
-void GlRenderer::use_camera(const GlProgram& program) const
-{
-    glUseProgram(program.name());
-    const glm::mat4 clip_from_relative{view_.clip_from_relative()};
-    const glm::vec3 origin{view_.origin()};
-    const glm::vec3 origin_below{view_.origin() - glm::dvec3{origin}};
-    glUniformMatrix4fv(glGetUniformLocation(program.name(), "clip_from_relative"), 1, GL_FALSE,
-                       glm::value_ptr(clip_from_relative));
-    glUniform3fv(glGetUniformLocation(program.name(), "origin"), 1, &origin.x);
-    glUniform3fv(glGetUniformLocation(program.name(), "origin_below"), 1, &origin_below.x);
-    const glm::vec2 snaps = 0.5f * kSnapsPerPixel * glm::vec2{view_.size_px()};
-    glUniform2fv(glGetUniformLocation(program.name(), "snaps"), 1, &snaps.x);
-}
-
 void GlRenderer::begin_frame(const View& view)
 {
     context_->make_current();
     target_.bind();
     set_view(view);
-    use_camera(programs_.depth);
-    use_camera(programs_.shade);
+    use_camera(programs_.depth, view_);
+    use_camera(programs_.shade, view_);
     restore_state();
     glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -386,7 +314,7 @@ std::vector<uint32_t> GlRenderer::render_ids(const View& view, std::span<const I
     glDepthFunc(view.convention().order == DepthOrder::near_is_large ? GL_GREATER : GL_LESS);
     glClearColor(1.0f, 1.0f, 1.0f, 1.0f); // the bytes of the invalid id
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    use_camera(programs_.ids);
+    use_camera(programs_.ids, view_);
     std::vector<ItemId> owning;
     if (!translucent_.empty()) {
         std::copy_if(items.begin(), items.end(), std::back_inserter(owning),
@@ -422,12 +350,8 @@ void GlRenderer::draw_lines(const View& view, std::span<const glm::vec3> points,
     glDepthFunc(view.convention().order == DepthOrder::near_is_large ? GL_GEQUAL : GL_LEQUAL);
     glDepthMask(GL_FALSE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    use_camera(programs_.lines);
-    glUniform4fv(glGetUniformLocation(programs_.lines.name(), "line_color"), 1, &color.x);
-    glBindVertexArray(line_vertices_.name());
-    const size_t offset = write_or_throw(line_points_, std::as_bytes(points));
-    glDrawArrays(GL_LINES, static_cast<GLint>(offset / sizeof(glm::vec3)),
-                 static_cast<GLsizei>(points.size()));
+    use_camera(programs_.lines, view_);
+    lines_.draw(programs_.lines, points, color);
 }
 
 void GlRenderer::copy_color_to(unsigned framebuffer)
