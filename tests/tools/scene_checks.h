@@ -20,10 +20,13 @@
 
 namespace occlude::tools::test {
 
+/// For hashes that are kept: they depend on how meshes are cut, and must outlive other defaults.
+inline const SceneOptions kHashedOptions{.item_triangles = 2048};
+
 /// A scene that must load.
-inline SceneModel loaded(const std::string& source)
+inline SceneModel loaded(const std::string& source, const SceneOptions& options = {})
 {
-    auto model = load_scene(source);
+    auto model = load_scene(source, options);
     EXPECT_TRUE(model) << (model ? "" : model.error().message);
     return model ? std::move(*model) : SceneModel{};
 }

@@ -12,7 +12,7 @@ namespace occlude::tools {
 
 struct SceneOptions {
     /// Meshes with more triangles are partitioned in space into items of at most this many.
-    uint32_t item_triangles = 2048;
+    uint32_t item_triangles = 1024; // docs/scale.md says why
     /// Where they are parted: between whole triangles by their centroids, or by planes that cut
     /// triangles (scene/split.h).
     enum class Split { centroid, exact };

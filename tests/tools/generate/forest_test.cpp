@@ -17,7 +17,7 @@ TEST(Forest, HasTheTreesAndAboutTheTrianglesAskedFor)
 
 TEST(Forest, IsTheSameOnEveryMachineAndFollowsItsSeed)
 {
-    const uint64_t hash = hash_of(loaded("forest:triangles=50k,trees=50,seed=3"));
+    const uint64_t hash = hash_of(loaded("forest:triangles=50k,trees=50,seed=3", kHashedOptions));
     EXPECT_EQ(hash, 17484425099099278585u);
     EXPECT_NE(hash, hash_of(loaded("forest:triangles=50k,trees=50,seed=4")));
 }

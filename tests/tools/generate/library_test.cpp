@@ -28,7 +28,7 @@ TEST(Library, HasFortyThousandBooksOfMoreThanTenMillionTriangles)
 
 TEST(Library, IsTheSameOnEveryMachineAndFollowsItsSeed)
 {
-    const uint64_t hash = hash_of(loaded("library:books=500,seed=3"));
+    const uint64_t hash = hash_of(loaded("library:books=500,seed=3", kHashedOptions));
     EXPECT_EQ(hash, 834375396863996278u);
     EXPECT_NE(hash, hash_of(loaded("library:books=500,seed=4")));
 }

@@ -82,7 +82,7 @@ TEST(Teapots, AreAsManyAsAskedFor)
 
 TEST(Teapots, AreTheSameOnEveryMachineAndFollowTheirSeed)
 {
-    const uint64_t hash = hash_of(loaded("teapots:count=200,triangles=576,seed=3"));
+    const uint64_t hash = hash_of(loaded("teapots:count=200,triangles=576,seed=3", kHashedOptions));
     EXPECT_EQ(hash, 5701875014445668753u);
     EXPECT_NE(hash, hash_of(loaded("teapots:count=200,triangles=576,seed=4")));
 }

@@ -27,7 +27,7 @@ TEST(Vienna, SaysHowManyTrianglesWouldDo)
 
 TEST(Vienna, IsTheSameOnEveryMachineAndFollowsItsSeed)
 {
-    const uint64_t hash = hash_of(loaded("vienna:blocks=2,triangles=60k,seed=3"));
+    const uint64_t hash = hash_of(loaded("vienna:blocks=2,triangles=60k,seed=3", kHashedOptions));
     EXPECT_EQ(hash, 16861246380801667264u);
     EXPECT_NE(hash, hash_of(loaded("vienna:blocks=2,triangles=60k,seed=4")));
 }
