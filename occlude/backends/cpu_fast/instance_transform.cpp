@@ -1,0 +1,106 @@
+#include <occlude/backends/cpu_fast/detail/instance_transform.h>
+
+#include <occlude/backends/cpu_fast/detail/prim.h>
+#include <occlude/core/absolute.h>
+#include <occlude/screen/projection.h>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace occlude::cpu_fast {
+
+namespace {
+
+// Triangles are cut this many half screens from its middle, so that positions stay small.
+constexpr double kGuard = 4.0;
+
+// One 128th of a cell is what transforms in float may move a point by, there and here; the rest of
+// kDisplacement is for snapping and division.
+constexpr double kTransformShare = 1.0 / 128.0;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+} // namespace
+
+Grid::Grid(glm::ivec2 size, int cell)
+    : size_px(size)
+    , cell_px(cell)
+    , size_cells((size + cell - 1) / cell)
+    , size_tiles((size_cells.x + kTileWidth - 1) / kTileWidth,
+                 (size_cells.y + kTileHeight - 1) / kTileHeight)
+{
+}
+
+// Rounding: every device, and the float transform here, misses the clip position of a point by at
+// most `error` each, because a point's position is a convex combination of its triangle's. At a w
+// of at least least_w that is at most kTransformShare of a cell inside of the screen, where
+// |x|, |y| < 2 w.
+InstanceTransform::InstanceTransform(const View& view, const Grid& grid,
+                                     const glm::mat4& world_from_mesh, const Aabb& box)
+{
+    const View own = view.in_object(world_from_mesh);
+    if (!own.usable() || !box.is_bounded()) {
+        return;
+    }
+    const glm::dvec2 half = 0.5 * glm::dvec2{grid.size_px} / double(grid.cell_px);
+    glm::dmat4 rows = glm::transpose(own.clip_from_relative());
+    const ClipConvention convention = view.convention();
+    if (convention.range == DepthRange::minus_one_to_one) {
+        rows[2] = 0.5 * (rows[2] + rows[3]);
+    }
+    if (convention.order == DepthOrder::near_is_large) {
+        rows[2] = rows[3] - rows[2];
+    }
+    const glm::dvec3 toward = glm::dvec3{own.orthographic() ? rows[2] : rows[3]};
+    const double turn = glm::dot(glm::cross(glm::dvec3{rows[0]}, glm::dvec3{rows[1]}), toward);
+    front_sign = turn < 0.0 ? 1.0f : -1.0f;
+    rows[0] = half.x * (rows[0] + rows[3]);
+    rows[1] = half.y * (rows[1] + rows[3]);
+    for (int row = 0; row < 4; ++row) { // from positions instead of those relative to the origin
+        rows[row].w -= glm::dot(glm::dvec3{rows[row]}, own.origin());
+    }
+    const glm::mat4 columns{glm::transpose(rows)};
+    for (int i = 0; i < 4; ++i) {
+        column[static_cast<size_t>(i)] = columns[i];
+    }
+
+    const glm::vec3 reach{glm::max(detail::absolute(glm::dvec3{box.min} - own.origin()),
+                                   detail::absolute(glm::dvec3{box.max} - own.origin()))};
+    const glm::dvec4 error = 2.0 * glm::dvec4{own.clip_rounding(1.001f * reach)};
+    const double moved =
+        std::max(half.x * (error.x + 2.0 * error.w), half.y * (error.y + 2.0 * error.w));
+    least_w = static_cast<float>(1.1 * moved / kTransformShare);
+    least_z =
+        view.ignores_near_plane() ? -kInfinity : static_cast<float>(2.0 * (error.z + error.w));
+    guard_low = glm::vec2{half * (1.0 - kGuard)};
+    guard_high = glm::vec2{half * (1.0 + kGuard)};
+
+    uint8_t shared = 255;
+    float box_w = kInfinity;
+    for (int i = 0; i < 8; ++i) {
+        const glm::vec3 p{(i & 1) != 0 ? box.max.x : box.min.x,
+                          (i & 2) != 0 ? box.max.y : box.min.y,
+                          (i & 4) != 0 ? box.max.z : box.min.z};
+        const glm::vec4 c = column[0] * p.x + column[1] * p.y + column[2] * p.z + column[3];
+        const glm::vec2 size{2.0 * half};
+        unsigned code = c.w < least_w ? 1u : 0u;
+        code |= c.x < 0.0f ? 2u : 0u;
+        code |= c.x > size.x * c.w ? 4u : 0u;
+        code |= c.y < 0.0f ? 8u : 0u;
+        code |= c.y > size.y * c.w ? 16u : 0u;
+        code |= c.z > c.w ? 32u : 0u;
+        shared &= static_cast<uint8_t>(code);
+        box_w = std::min(box_w, c.w);
+    }
+    const double w = std::max(double{least_w}, 0.99 * double{box_w});
+    z_slack =
+        static_cast<float>(double{ScreenBounds::kDepthMargin} +
+                           double{view.inflation().depth_bias} + (error.z + 2.0 * error.w) / w);
+    usable = shared == 0 && least_w > 0.0f && least_w < kInfinity && z_slack < 1.0f;
+}
+
+} // namespace occlude::cpu_fast
