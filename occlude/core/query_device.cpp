@@ -25,6 +25,21 @@ const TestCost* DeviceCaps::find_method(TestMethod method) const
     return found != methods.end() ? &*found : nullptr;
 }
 
+float DepthReadCost::us(glm::ivec2 size_px) const
+{
+    const auto count = [](glm::ivec2 size) {
+        return static_cast<float>(size.x) * static_cast<float>(size.y);
+    };
+    return us_per_read + us_per_pixel * count(size_px) +
+           us_per_value * count(tiles_in(size_px, tile_px));
+}
+
+const DepthReadCost* DeviceCaps::find_depth_read(int tile_px) const
+{
+    const auto found = std::ranges::find(depth_reads, tile_px, &DepthReadCost::tile_px);
+    return found != depth_reads.end() ? &*found : nullptr;
+}
+
 bool DeviceCaps::make_default(TestMethod method)
 {
     const TestMethod wanted = method == TestMethod::automatic ? TestMethod::queries : method;

@@ -4,7 +4,8 @@
 // algorithm in cull/ talks to this and to nothing else.
 //
 // Required: caps, begin_frame, draw, query, flush, poll, wait, end_frame.
-// Optional: draw_and_query (caps.draw_and_query), read_depth (caps.read_depth).
+// Optional: draw_and_query (caps.draw_and_query), read_depth (caps.read_depth), read_depth_tiles
+// (caps.depth_reads).
 //
 // The contract. ValidatingDevice asserts each line by its name:
 //   C1  Frames do not nest: begin_frame, verbs, end_frame. Only poll and wait may come outside.
@@ -25,6 +26,7 @@
 
 #include <occlude/core/aabb.h>
 #include <occlude/core/ids.h>
+#include <occlude/core/tiles.h>
 #include <occlude/core/view.h>
 
 #include <cstdint>
@@ -64,6 +66,18 @@ struct TestCost {
     bool exact_counts = true; ///< counts samples; otherwise a visible test counts 1
 };
 
+/// A device's own guess of what it costs to read depth in one size of tiles, in microseconds: the
+/// sum of the three parts. Used until costs are measured.
+struct DepthReadCost {
+    int tile_px = 1;           ///< 1: read_depth. A power of two above 1: read_depth_tiles.
+    float us_per_read = 0.0f;  ///< of the call itself, waiting for the device included
+    float us_per_pixel = 0.0f; ///< of each pixel of the target, for its reduction on the device
+    float us_per_value = 0.0f; ///< of each value that comes back
+
+    /// The cost of one read of a whole target of this size.
+    float us(glm::ivec2 size_px) const;
+};
+
 struct DeviceCaps {
     std::string name;
     bool same_frame_results = true; ///< a result can be waited for in the frame that asked
@@ -77,12 +91,17 @@ struct DeviceCaps {
     std::vector<TestCost> methods = {}; ///< the test methods there are, the default first
     float us_per_triangle = 0.15f;
     float us_per_item = 4.0f; ///< of a draw, besides its triangles
+    /// The tile sizes in which depth can be read, ascending; read_depth is the size 1. May be empty
+    /// although read_depth works.
+    std::vector<DepthReadCost> depth_reads = {};
 
     /// That method's entry in `methods`, or null if the device does not have it.
     const TestCost* find_method(TestMethod method) const;
     /// Makes `method` the first of `methods` (`automatic`: queries) and sets exact_counts for it.
     /// False, and nothing changes, if the device does not have it.
     bool make_default(TestMethod method);
+    /// The entry of that tile size in `depth_reads`, or null if the device cannot read such tiles.
+    const DepthReadCost* find_depth_read(int tile_px) const;
 };
 
 /// One box of a test. The box is in the space of `world_from_box`, or in world space if that is
@@ -163,6 +182,14 @@ public:
     /// * height.
     virtual bool read_depth(const PixelRect& rect, std::span<float> out);
 
+    /// Reads the farthest depth of each tile of tile_px x tile_px pixels of the whole target, as
+    /// read_depth reports it, tile by tile from the lower left. Tile (x, y) holds the pixels from
+    /// (x, y) * tile_px on; the last ones of a row or column are cut off by the target. A device
+    /// that rounds must round towards far. Blocks. False, and `out` is untouched, if the device
+    /// cannot. Preconditions: tile_px is a power of two; out.size() is the number of tiles_in the
+    /// target.
+    virtual bool read_depth_tiles(int tile_px, std::span<float> out);
+
     virtual void end_frame() = 0;
 };
 
@@ -173,6 +200,11 @@ inline Ticket QueryDevice::draw_and_query(std::span<const ItemId> items, DrawPas
 }
 
 inline bool QueryDevice::read_depth(const PixelRect&, std::span<float>)
+{
+    return false;
+}
+
+inline bool QueryDevice::read_depth_tiles(int, std::span<float>)
 {
     return false;
 }

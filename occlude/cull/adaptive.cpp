@@ -21,6 +21,7 @@ void Adaptive::reset_state()
     shared_.planner.reset();
     shared_.cut.forget();
     shared_.depth.forget();
+    drawn_units_ = 0.0;
     by_device_.forget();
 }
 
@@ -48,7 +49,8 @@ void Adaptive::start_frame(CullFrame& frame)
     const AdaptivePlanner::Start start{.cut_is_empty = cut().empty(),
                                        .measures = shared_.meter.has_clock(),
                                        .tests_last_frame = shared_.meter.tests()};
-    shared_.meter.start_frame(frame.caps());
+    shared_.meter.start_frame(frame.caps(), frame.view().size_px(), drawn_units_);
+    shared_.depth.set_tile_px(costs().tile_px());
     if (shared_.planner.start_frame(costs(), start)) {
         drop_late_tests();
     }
@@ -135,6 +137,7 @@ void Adaptive::cull_frame(CullFrame& frame)
     } else {
         draw_all(frame);
     }
+    drawn_units_ = shared_.drawn_units(frame);
     if (shared_.meter.clock_is_useless()) {
         frame.plan().reason = FramePlan::Reason::useless_clock;
     }

@@ -30,7 +30,8 @@
 //             Decisions follow the hints of DeviceCaps where there is no clock, where it stands
 //             still or is coarse, and on a device without exact timing.
 // Cost        O(entries of the cut) a frame, which follows the visible boundary; one read-back of
-//             depth or a few rounds of tests. When it draws all: that of `frustum`, and the probes.
+//             depth (in tiles, where that costs less) or a few rounds of tests. When it draws all:
+//             that of `frustum`, and the probes.
 #pragma once
 
 #include <occlude/core/clock.h>
@@ -80,6 +81,7 @@ private:
     TestingByDevice by_device_;
     FrustumWalk walk_;
     double frame_since_us_ = 0.0; ///< when the frame began
+    double drawn_units_ = 0.0;    ///< by the last frame
     std::vector<Ticket> dropped_; ///< scratch
 };
 

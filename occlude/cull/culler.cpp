@@ -3,6 +3,8 @@
 #include <occlude/core/assert.h>
 #include <occlude/cull/parts/cull_frame.h>
 
+#include <string>
+
 namespace occlude {
 
 FrameReport Culler::cull(const View& view, QueryDevice& device)
@@ -26,7 +28,40 @@ FrameReport Culler::cull(const View& view, QueryDevice& device)
     }
     frame.finish();
     in_frame_ = false;
+    report_faults(frame, report);
     return report;
+}
+
+void Culler::report_faults(const CullFrame& frame, const FrameReport& report)
+{
+    const glm::ivec2 size = frame.view().size_px();
+    if ((size.x <= 0 || size.y <= 0) && messages_.due("culler.empty_view")) {
+        messages_.report(Severity::note, "culler.empty_view",
+                         "the view is " + std::to_string(size.x) + "x" + std::to_string(size.y) +
+                             " pixels, so that nothing can be culled: give View::from_clip the "
+                             "size of the viewport");
+    }
+    if (report.counters.lost_answers > 0 && messages_.due("culler.lost_answers")) {
+        messages_.report(Severity::warning, "culler.lost_answers",
+                         "the device lost " + std::to_string(report.counters.lost_answers) +
+                             " answers in frame " + std::to_string(report.frame) +
+                             ", which count as visible: it ran out of query objects "
+                             "(caps.max_outstanding), or its tests failed");
+    }
+    if (frame.depth_read_failed() && messages_.due("culler.depth_read")) {
+        messages_.report(Severity::warning, "culler.depth_read",
+                         "the device says that it can read depth, and failed to in frame " +
+                             std::to_string(report.frame) +
+                             ": what would have been tested is drawn");
+    }
+    if (report.plan.reason == FramePlan::Reason::useless_clock &&
+        messages_.due("culler.useless_clock")) {
+        messages_.report(Severity::note, "culler.useless_clock",
+                         "the clock does not move while the device is waited for, so that costs "
+                         "are taken from the device's hints: give a clock of at least a "
+                         "microsecond's resolution that moves within a frame, such as "
+                         "steady_seconds_clock()");
+    }
 }
 
 void Culler::reset()

@@ -3,12 +3,14 @@
 
 #include <occlude/core/frame_report.h>
 #include <occlude/core/ids.h>
+#include <occlude/core/messages.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/view.h>
 #include <occlude/cull/parts/frame_record.h>
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <span>
+#include <utility>
 
 namespace occlude {
 
@@ -66,6 +68,13 @@ public:
 
     const Hierarchy& hierarchy() const { return hierarchy_; }
 
+    /// Who hears of faults of the device and of the view; nobody by default. Each is reported once:
+    ///   culler.lost_answers   the device lost answers, which count as visible
+    ///   culler.depth_read     the device says that it can read depth, and failed to
+    ///   culler.empty_view     the view has no pixel: nothing is culled
+    ///   culler.useless_clock  the host's clock stands still or is coarse: hints are used
+    void set_message_handler(MessageHandler handler) { messages_ = Messages{std::move(handler)}; }
+
 protected:
     /// One frame of the algorithm. `frame` counts from 0 since the last reset.
     virtual void cull_frame(class CullFrame& frame) = 0;
@@ -82,11 +91,14 @@ protected:
     void abandon(Ticket ticket) { record_.tickets.abandon(ticket); }
 
 private:
+    void report_faults(const class CullFrame& frame, const FrameReport& report);
+
     const Hierarchy& hierarchy_;
     uint64_t seen_structure_ = 0;
     uint64_t next_frame_ = 0;
     bool in_frame_ = false; ///< cull() was entered and did not return
     FrameRecord record_;    ///< of the last frame
+    Messages messages_;
 };
 
 } // namespace occlude

@@ -43,8 +43,9 @@ void push(std::vector<Volume>& heap, const Volume& volume, Order order)
 LazyGrid::LazyGrid(HierarchyRef hierarchy, LazyGridOptions options)
     : Culler(hierarchy)
     , options_(clamped(options))
-    , read_back_(options_.join, options_.whole_cell_share)
-    , queries_(options_.join, options_.whole_cell_share)
+    , sources_{ReadBackPixels{options_.join, options_.whole_cell_share},
+               TiledPixels{options_.whole_cell_share, static_cast<int>(options_.tile)},
+               QueriedPixels{options_.join, options_.whole_cell_share}}
 {
     if (options_.variant == Variant::occlusion_buffer) {
         // Covered pixels hide a box only if everything that covers them is nearer than the box.
@@ -52,9 +53,16 @@ LazyGrid::LazyGrid(HierarchyRef hierarchy, LazyGridOptions options)
     }
 }
 
-CellPixels& LazyGrid::pixels()
+CellPixels& LazyGrid::pixels(const CullFrame& frame)
 {
-    return options_.source == Source::depth ? static_cast<CellPixels&>(read_back_) : queries_;
+    if (options_.source == Source::queries) {
+        return sources_.queries;
+    }
+    const auto tile_px = static_cast<int>(options_.tile);
+    if (tile_px > 1 && frame.caps().find_depth_read(tile_px) != nullptr) {
+        return sources_.tiles;
+    }
+    return sources_.read_back;
 }
 
 // --- Figures 2 and 3: the occlusion test ---------------------------------------------------------
@@ -141,12 +149,12 @@ bool LazyGrid::border_cell_is_free_without_pixel_query(const Volume& volume)
 
 bool LazyGrid::internal_cell_is_free_with_pixel_query(CullFrame& frame, const Volume& volume)
 {
-    return pixels().any_pixel_is_free(frame, grid_, question(volume), internal_);
+    return pixels_->any_pixel_is_free(frame, grid_, question(volume), internal_);
 }
 
 bool LazyGrid::border_cell_is_free_with_pixel_query(CullFrame& frame, const Volume& volume)
 {
-    return pixels().any_pixel_is_free(frame, grid_, question(volume), border_);
+    return pixels_->any_pixel_is_free(frame, grid_, question(volume), border_);
 }
 
 PixelQuestion LazyGrid::question(const Volume& volume)
@@ -158,7 +166,7 @@ PixelQuestion LazyGrid::question(const Volume& volume)
 // znear, or zmax where covered pixels hide: a volume is hidden where all pixels are nearer.
 float LazyGrid::depth_to_beat(const Volume& volume)
 {
-    return covered_hides_ ? pixels().uncovered_depth() : volume.bounds.near_depth;
+    return covered_hides_ ? pixels_->uncovered_depth() : volume.bounds.near_depth;
 }
 
 // Section 6: a large volume has no border cells.
@@ -221,6 +229,7 @@ void LazyGrid::cull_frame(CullFrame& frame)
 
 void LazyGrid::initialize(CullFrame& frame)
 {
+    pixels_ = &pixels(frame);
     grid_.reset(frame.view().size_px(), static_cast<int>(options_.cell_size));
     if (options_.bounds == Bounds::faces) {
         screen_ = ScreenSpace{frame.view(), frame.samples()};
@@ -346,13 +355,13 @@ void LazyGrid::update_busily(CullFrame& frame, const Volume& drawn)
 
 void LazyGrid::update_states(CullFrame& frame, NodeId subject)
 {
-    const PixelQuestion states{subject, pixels().state_depth()};
+    const PixelQuestion states{subject, pixels_->state_depth()};
     if (options_.join != CellPixels::Join::cell) {
-        pixels().any_pixel_is_free(frame, grid_, states, internal_);
+        pixels_->any_pixel_is_free(frame, grid_, states, internal_);
         return;
     }
     for (const AskedCell& asked : internal_) { // one by one: a free cell ends no question
-        pixels().any_pixel_is_free(frame, grid_, states, {&asked, 1});
+        pixels_->any_pixel_is_free(frame, grid_, states, {&asked, 1});
     }
 }
 

@@ -10,8 +10,8 @@
 //               internalCellIsFreeWithPixelquery    -> internal_cell_is_free_with_pixel_query
 //               borderCellIsFreeWithPixelquery      -> border_cell_is_free_with_pixel_query
 //             Fig. 4 (one list), Fig. 6 (two lists) -> LazyGrid::cull_frame
-//             sec. 5 hardware support               -> ReadBackPixels, QueriedPixels
-//                                                      (cell_pixels.h)
+//             sec. 5 hardware support               -> ReadBackPixels, TiledPixels,
+//                                                      QueriedPixels (cell_pixels.h)
 //             sec. 6 extensions                     -> is_improbable, asks_whole_cell,
 //                                                      internal_cells
 //             sec. 7 busy update                    -> update_busily
@@ -96,6 +96,9 @@ struct LazyGridOptions {
     /// Section 6: a box whose rectangle has at least this many pixels has only internal cells. 0:
     /// off.
     uint64_t internal_above_pixels = 0;
+    /// With Source::depth: read the farthest depth of tiles of this many pixels along a side,
+    /// reduced on the device, where it has such tiles. `join` is then `target`. 1: pixels.
+    uint32_t tile = 1;
 };
 
 class LazyGrid final : public Culler {
@@ -131,7 +134,7 @@ private:
     void choose_faces(const Volume& volume);
     const ScreenBox& faces();
     bool faces_are_behind(const OcclusionGrid::Cell& cell, const PixelRect& part);
-    CellPixels& pixels();
+    CellPixels& pixels(const CullFrame& frame);
 
     // --- Figures 4 and 6 ---
     void initialize(CullFrame& frame);
@@ -151,9 +154,15 @@ private:
     void update_busily(CullFrame& frame, const Volume& drawn);
     void update_states(CullFrame& frame, NodeId subject);
 
+    struct Sources {
+        ReadBackPixels read_back;
+        TiledPixels tiles;
+        QueriedPixels queries;
+    };
+
     LazyGridOptions options_;
-    ReadBackPixels read_back_;
-    QueriedPixels queries_;
+    Sources sources_;
+    CellPixels* pixels_ = nullptr; ///< the one of this frame
     OcclusionGrid grid_;
     bool covered_hides_ = false;     ///< in this frame: the occlusion-buffer variant
     ScreenSpace screen_;             ///< with Bounds::faces
@@ -209,6 +218,8 @@ void visit_options(LazyGridOptions& o, Visit&& visit)
           "a border cell is asked as a whole if the box covers this share of it; 0: off");
     visit("internal_above_pixels", o.internal_above_pixels, {},
           "a box of at least this many pixels has only internal cells; 0: off");
+    visit("tile", o.tile, {1, 1024},
+          "read depth by the farthest of tiles of this many pixels along a side");
 }
 
 } // namespace occlude

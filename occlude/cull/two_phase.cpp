@@ -12,7 +12,7 @@ constexpr uint64_t kSeed = 1;
 // Work is counted in triangles here: one costs as much as half a texel that a test looks at.
 TwoPhase::TwoPhase(HierarchyRef hierarchy, TwoPhaseOptions options)
     : Culler(hierarchy)
-    , options_(options)
+    , options_(clamped(options))
     , cut_(hierarchy)
     , depth_(cut_, DepthTests{options.refine}, options.shapes)
 {
@@ -22,6 +22,7 @@ TwoPhase::TwoPhase(HierarchyRef hierarchy, TwoPhaseOptions options)
                        .min_texels = 32.0,
                        .texels_below_min = 32,
                        .test_us = DepthTestBudget::kAlways});
+    depth_.set_tile_px(static_cast<int>(options_.tile));
 }
 
 void TwoPhase::reset_state()

@@ -7,10 +7,11 @@
 //             build the depth pyramid                   -> DepthTraversal::read
 //             phase 2, test and draw the rest           -> DepthTraversal::test_candidates, reveal
 //             the visible set of the next frame         -> DepthTraversal::retest
-// Deviations  The pyramid is built on the CPU from one read-back of the target, and boxes are
-//             tested there: by their rectangles, and then by their faces. Tests are hierarchical:
-//             the traversal starts from the cut of the last frame (cut_traversal.h), and a hidden
-//             node hides its subtree. Phase 2 reads depth again after `reread_triangles` newly
+// Deviations  The pyramid is built on the CPU from one read-back of the target, by pixels or by
+//             tiles that the device reduced (`tile`), and boxes are tested there: by their
+//             rectangles, and then by their faces. Tests are hierarchical: the traversal starts
+//             from the cut of the last frame (cut_traversal.h), and a hidden node hides its
+//             subtree. Phase 2 reads depth again after `reread_triangles` newly
 //             visible triangles, so that a camera cut, where phase 1 draws nothing, does not draw
 //             everything in the frustum.
 // Guarantees  exact: every item in the frustum is drawn, or lies in a node, or is one itself, that
@@ -22,6 +23,7 @@
 //             batch, still exact.
 #pragma once
 
+#include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/cut_traversal.h>
 #include <occlude/cull/parts/depth_traversal.h>
@@ -43,6 +45,9 @@ struct TwoPhaseOptions {
     /// Choose the visible set of the next frame by the depth of the finished frame, read back once
     /// more, instead of by the depth that was read last.
     bool final_depth = false;
+    /// Read the farthest depth of tiles of this many pixels along a side, reduced on the device,
+    /// where it has such tiles: less to read back, and somewhat less is found hidden. 1: pixels.
+    uint32_t tile = 1;
     /// Test the shapes of items (item_shapes.h) where their boxes are not hidden.
     bool shapes = true;
 };
@@ -74,6 +79,8 @@ void visit_options(TwoPhaseOptions& o, Visit&& visit)
           "newly visible triangles after which depth is read again; 0 is never");
     visit("final_depth", o.final_depth,
           "choose what is drawn first in the next frame by this frame's final depth");
+    visit("tile", o.tile, {1, 1024},
+          "read depth by the farthest of tiles of this many pixels along a side");
     visit("shapes", o.shapes,
           "test the boxes of an item's shape where the item's own box is not hidden");
 }

@@ -30,6 +30,7 @@ Ticket CostModelDevice::hold(Ticket inner)
 void CostModelDevice::begin_frame(const View& view)
 {
     work(costs_.per_frame);
+    size_px_ = view.size_px();
     inner().begin_frame(view);
 }
 
@@ -90,6 +91,18 @@ bool CostModelDevice::read_depth(const PixelRect& rect, std::span<float> out)
         return false;
     }
     work(costs_.per_depth_read + costs_.per_pixel_read * static_cast<double>(out.size()));
+    host_us_ = device_us_ + costs_.latency;
+    return true;
+}
+
+bool CostModelDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    if (!inner().read_depth_tiles(tile_px, out)) {
+        return false;
+    }
+    const double pixels = static_cast<double>(size_px_.x) * size_px_.y;
+    work(costs_.per_depth_read + costs_.per_pixel_reduced * pixels +
+         costs_.per_pixel_read * static_cast<double>(out.size()));
     host_us_ = device_us_ + costs_.latency;
     return true;
 }

@@ -27,8 +27,9 @@ struct DeviceCosts {
     double per_test = 20.0;
     double per_box = 2.0;
     double per_depth_read = 50.0;
-    double per_pixel_read = 0.0004;
-    double latency = 5.0; ///< until the host knows what the device has found
+    double per_pixel_read = 0.0004;    ///< of each value that comes back
+    double per_pixel_reduced = 0.0001; ///< of the target, where tiles are read
+    double latency = 5.0;              ///< until the host knows what the device has found
 };
 
 class CostModelDevice final : public ForwardingDevice {
@@ -53,6 +54,7 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
 private:
@@ -69,6 +71,7 @@ private:
     std::span<const uint32_t> triangles_by_item_;
     TicketTable<Test> tests_;
     double host_us_ = 0.0;
+    glm::ivec2 size_px_{0};
     double device_us_ = 0.0; ///< when the device will have done what it has
 };
 

@@ -111,4 +111,14 @@ bool CountingDevice::read_depth(const PixelRect& rect, std::span<float> out)
     return true;
 }
 
+bool CountingDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    if (!inner().read_depth_tiles(tile_px, out)) {
+        return false;
+    }
+    ++frame_.depth_reads;
+    frame_.pixels_read += out.size();
+    return true;
+}
+
 } // namespace occlude

@@ -9,7 +9,8 @@
 //   items_drawn,   draws of the shade and depth_only passes; shade_equal repeats items that are
 //   triangles_drawn   counted already. draw_calls counts all passes.
 //   lost_answers   polls and waits that answered lost
-//   depth_reads    calls of read_depth() that could read
+//   depth_reads    calls of read_depth() and read_depth_tiles() that could read
+//   pixels_read    the values that came back
 //   nodes_visited, stay 0: a device sees neither nodes nor cells
 //   cells_asked
 #pragma once
@@ -51,6 +52,7 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
 
 private:
     enum class State : uint8_t { drawing, querying };

@@ -14,6 +14,7 @@ enum class DeviceVerb : uint8_t {
     poll,
     wait,
     read_depth,
+    read_depth_tiles,
     end_frame,
 };
 
@@ -37,6 +38,8 @@ constexpr const char* name(DeviceVerb verb)
         return "wait";
     case DeviceVerb::read_depth:
         return "read_depth";
+    case DeviceVerb::read_depth_tiles:
+        return "read_depth_tiles";
     case DeviceVerb::end_frame:
         break;
     }

@@ -130,13 +130,21 @@ Answer FaultyDevice::wait(Ticket ticket)
     return too_early ? Answer::lost() : answer;
 }
 
+bool FaultyDevice::depth_read_fails()
+{
+    const bool fails = chance(faults_.depth_fails, kDepth, depth_reads_++);
+    injected_ += fails ? 1 : 0;
+    return fails;
+}
+
 bool FaultyDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
-    if (chance(faults_.depth_fails, kDepth, depth_reads_++)) {
-        ++injected_;
-        return false;
-    }
-    return inner_.read_depth(rect, out);
+    return !depth_read_fails() && inner_.read_depth(rect, out);
+}
+
+bool FaultyDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    return !depth_read_fails() && inner_.read_depth_tiles(tile_px, out);
 }
 
 void FaultyDevice::end_frame()

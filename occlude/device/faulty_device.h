@@ -15,7 +15,7 @@ struct Faults {
     uint64_t seed = 1;
     uint32_t lost = 0;                 ///< tests whose answer is lost
     uint32_t never_ready = 0;          ///< tests that poll() calls pending for ever; wait() works
-    uint32_t depth_fails = 0;          ///< calls of read_depth that fail
+    uint32_t depth_fails = 0;          ///< read-backs that fail, by pixels or by tiles
     uint32_t max_polls = 0;            ///< polls of a test that come too early: 0 to this many
     uint32_t max_frames = 0;           ///< frames that end before poll() answers: 0 to this many
     uint32_t expires_after_frames = 0; ///< frames after which an unspent ticket is lost; 0: none
@@ -40,6 +40,7 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
 private:
@@ -57,6 +58,7 @@ private:
     Ticket hold(Ticket inner);
     Answer collect(Ticket ticket, const Test& test);
     bool expired(const Test& test) const;
+    bool depth_read_fails();
 
     QueryDevice& inner_;
     Faults faults_;

@@ -26,6 +26,10 @@ public:
     {
         return inner_.read_depth(rect, out);
     }
+    bool read_depth_tiles(int tile_px, std::span<float> out) override
+    {
+        return inner_.read_depth_tiles(tile_px, out);
+    }
     void end_frame() override { inner_.end_frame(); }
 
 protected:

@@ -212,6 +212,9 @@ void transfer_question(Archive<Stream>& archive, Call& call)
         archive.whole(call.rect.width);
         archive.whole(call.rect.height);
     }
+    if (call.verb == DeviceVerb::read_depth_tiles) {
+        archive.whole(call.tile_px);
+    }
 }
 
 template <class Stream, class Call>
@@ -247,6 +250,12 @@ void transfer_caps(Archive<Stream>& archive, Caps& caps)
     });
     archive.real(caps.us_per_triangle);
     archive.real(caps.us_per_item);
+    archive.list(caps.depth_reads, [&](auto& read) {
+        archive.whole(read.tile_px);
+        archive.real(read.us_per_read);
+        archive.real(read.us_per_pixel);
+        archive.real(read.us_per_value);
+    });
 }
 
 // The caps that begin_frame has changed, which are in the file and not in the hash.

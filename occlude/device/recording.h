@@ -38,6 +38,7 @@ struct RecordedCall {
     std::vector<uint32_t> test_ends;
     uint32_t asked_test = kNoTest; ///< by poll and wait
     PixelRect rect;
+    int tile_px = 0;
 
     // What came back.
     std::vector<uint32_t> issued_tests; ///< kNoTest where the ticket was invalid

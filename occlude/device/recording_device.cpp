@@ -9,6 +9,7 @@ using detail::depth_call;
 using detail::draw_call;
 using detail::frame_call;
 using detail::query_call;
+using detail::tiles_call;
 
 RecordingDevice::RecordingDevice(QueryDevice& inner)
     : ForwardingDevice(inner)
@@ -94,15 +95,23 @@ Answer RecordingDevice::wait(Ticket ticket)
     return record_answer(call_of(DeviceVerb::wait), ticket, inner().wait(ticket));
 }
 
-bool RecordingDevice::read_depth(const PixelRect& rect, std::span<float> out)
+bool RecordingDevice::record_depth(RecordedCall call, bool read, std::span<const float> depth)
 {
-    RecordedCall call = depth_call(rect);
-    const bool read = inner().read_depth(rect, out);
     if (read) {
-        call.depth.assign(out.begin(), out.end());
+        call.depth.assign(depth.begin(), depth.end());
     }
     recording_.calls.push_back(std::move(call));
     return read;
+}
+
+bool RecordingDevice::read_depth(const PixelRect& rect, std::span<float> out)
+{
+    return record_depth(depth_call(rect), inner().read_depth(rect, out), out);
+}
+
+bool RecordingDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    return record_depth(tiles_call(tile_px), inner().read_depth_tiles(tile_px, out), out);
 }
 
 void RecordingDevice::end_frame()

@@ -25,12 +25,14 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
 private:
     uint32_t number(Ticket issued);
     uint32_t number_of(Ticket asked) const;
     Answer record_answer(RecordedCall call, Ticket ticket, Answer answer);
+    bool record_depth(RecordedCall call, bool read, std::span<const float> depth);
 
     Recording recording_;
     std::string caps_bytes_;             ///< of the last frame

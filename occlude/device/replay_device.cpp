@@ -11,6 +11,7 @@ using detail::depth_call;
 using detail::draw_call;
 using detail::frame_call;
 using detail::query_call;
+using detail::tiles_call;
 
 void ReplayDevice::fail(std::string why)
 {
@@ -110,14 +111,24 @@ Answer ReplayDevice::wait(Ticket ticket)
     return answer(call_of(DeviceVerb::wait), ticket);
 }
 
-bool ReplayDevice::read_depth(const PixelRect& rect, std::span<float> out)
+bool ReplayDevice::replay_depth(const RecordedCall& asked, std::span<float> out)
 {
-    const RecordedCall* recorded = match(depth_call(rect));
+    const RecordedCall* recorded = match(asked);
     if (!recorded || recorded->depth.empty() || recorded->depth.size() != out.size()) {
         return false;
     }
     std::copy(recorded->depth.begin(), recorded->depth.end(), out.begin());
     return true;
+}
+
+bool ReplayDevice::read_depth(const PixelRect& rect, std::span<float> out)
+{
+    return replay_depth(depth_call(rect), out);
+}
+
+bool ReplayDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    return replay_depth(tiles_call(tile_px), out);
 }
 
 void ReplayDevice::end_frame()

@@ -32,6 +32,7 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
 private:
@@ -39,6 +40,7 @@ private:
     void fail(std::string why);
     Ticket issue(uint32_t test);
     Answer answer(RecordedCall asked, Ticket ticket);
+    bool replay_depth(const RecordedCall& asked, std::span<float> out);
 
     Recording recording_;
     DeviceCaps caps_; ///< of this frame

@@ -109,6 +109,8 @@ std::string to_string(const ScriptedDevice::Event& event)
         return "poll " + answer_text(event);
     case Verb::wait:
         return "wait " + answer_text(event);
+    case Verb::read_depth_tiles:
+        return "read_depth_tiles " + std::to_string(event.tile_px);
     case Verb::read_depth:
         return "read_depth " + std::to_string(event.rect.x) + " " + std::to_string(event.rect.y) +
                " " + std::to_string(event.rect.width) + "x" + std::to_string(event.rect.height);
@@ -275,6 +277,19 @@ bool ScriptedDevice::read_depth(const PixelRect& rect, std::span<float> out)
     }
     if (script_.depth) {
         return script_.depth(rect, out);
+    }
+    std::fill(out.begin(), out.end(), 1.0f);
+    return true;
+}
+
+bool ScriptedDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    record(Verb::read_depth_tiles).tile_px = tile_px;
+    if (script_.caps.find_depth_read(tile_px) == nullptr) {
+        return false;
+    }
+    if (script_.depth_tiles) {
+        return script_.depth_tiles(tile_px, out);
     }
     std::fill(out.begin(), out.end(), 1.0f);
     return true;

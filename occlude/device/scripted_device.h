@@ -44,10 +44,11 @@ BoxScript visible_subjects(std::vector<NodeId> visible, uint64_t samples = 1000)
 
 /// What a ScriptedDevice can and will do. An empty function has the default beside it.
 struct DeviceScript {
-    BoxScript boxes = {};                                               ///< everything is visible
-    std::function<uint64_t(std::span<const ItemId>)> items = {};        ///< 1000 samples per item
-    std::function<Latency(uint64_t test_index)> latency = {};           ///< ready at once
-    std::function<bool(const PixelRect&, std::span<float>)> depth = {}; ///< all far: 1
+    BoxScript boxes = {};                                                ///< everything is visible
+    std::function<uint64_t(std::span<const ItemId>)> items = {};         ///< 1000 samples per item
+    std::function<Latency(uint64_t test_index)> latency = {};            ///< ready at once
+    std::function<bool(const PixelRect&, std::span<float>)> depth = {};  ///< all far: 1
+    std::function<bool(int tile_px, std::span<float>)> depth_tiles = {}; ///< all far: 1
     DeviceCaps caps{.name = "scripted", .methods = {TestCost{}}};
 };
 
@@ -67,6 +68,7 @@ public:
         std::vector<Ticket> tickets;
         Answer answer;
         PixelRect rect;
+        int tile_px = 0;
     };
 
     explicit ScriptedDevice(DeviceScript script = {})
@@ -90,6 +92,7 @@ public:
     /// Without caps().same_frame_results, waiting in the frame that asked answers lost.
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
     const std::vector<Event>& trace() const { return trace_; }
@@ -105,7 +108,7 @@ public:
     ///   flush
     ///   poll 7 pending               poll 8 9 -> 0
     ///   wait item 5 -> 1000          wait ? -> lost
-    ///   read_depth 0 0 64x32
+    ///   read_depth 0 0 64x32          read_depth_tiles 8
     ///   end
     std::string trace_text() const;
 

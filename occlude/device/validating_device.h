@@ -6,6 +6,7 @@
 //                 counts no sample although a pixel deep inside a box shows farther depth; named C2
 //                 if something was drawn since, which the test may have seen. A batch changed
 //                 depth. (Colour cannot be read.)
+//   C3            likewise: a tile of depth is nearer than one of its pixels
 //   C5            a box is unbounded or touches the near rectangle, as it is handed to the device,
 //                 so after inflation. A box with a transform is blamed only if it touches both as
 //                 an AABB in world space and exactly, in its own space.
@@ -64,6 +65,7 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
 private:
@@ -83,6 +85,8 @@ private:
     void adopt(Ticket ticket, int sure_pixels);
     Answer check_answer(const char* verb, Ticket ticket, Answer answer);
     void check_count(const Test& test, const Answer& answer) const;
+    void check_depths(std::span<const float> depths) const;
+    void check_tiles(int tile_px, std::span<const float> tiles) const;
     std::vector<float> depth() const;
 
     Options options_;

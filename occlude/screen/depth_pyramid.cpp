@@ -18,29 +18,42 @@ static float farther(float a, float b)
     return a < b ? b : a;
 }
 
-std::span<float> DepthPyramid::resize(glm::ivec2 size_px)
+static size_t texel_count(const detail::PyramidLevel& level)
 {
+    return static_cast<size_t>(level.size.x) * static_cast<size_t>(level.size.y);
+}
+
+std::span<float> DepthPyramid::resize(glm::ivec2 size_px, int base)
+{
+    OCCLUDE_ASSERT(base >= 0, "DepthPyramid::resize: the base is a level");
     if (this->size_px() != size_px) {
         levels_.clear();
-        size_t texels = 0;
         glm::ivec2 size = size_px;
         if (size.y > 0 &&
             static_cast<size_t>(std::max(size.x, 0)) > kMaxPixels / static_cast<size_t>(size.y)) {
             size = glm::ivec2{0};
         }
         while (size.x > 0 && size.y > 0) {
-            levels_.push_back({size, texels});
-            texels += static_cast<size_t>(size.x) * static_cast<size_t>(size.y);
+            levels_.push_back({size, 0});
             if (size == glm::ivec2{1, 1}) {
                 break;
             }
             size = (size + 1) / 2;
         }
+        base_ = -1;
+    }
+    const int last = std::max(static_cast<int>(levels_.size()) - 1, 0);
+    if (std::min(base, last) != base_) {
+        base_ = std::min(base, last);
+        size_t texels = 0;
+        for (size_t n = 0; n < levels_.size(); ++n) {
+            levels_[n].first = texels;
+            texels += n < static_cast<size_t>(base_) ? 0 : texel_count(levels_[n]);
+        }
         texels_.assign(texels + detail::kSpan - 1, 1.0f);
     }
     return empty() ? std::span<float>{}
-                   : std::span{texels_}.first(static_cast<size_t>(levels_[0].size.x) *
-                                              static_cast<size_t>(levels_[0].size.y));
+                   : std::span{texels_}.first(texel_count(levels_[static_cast<size_t>(base_)]));
 }
 
 void detail::reduce_rows(const float* a, const float* b, int width, float* out)
@@ -54,9 +67,10 @@ void detail::reduce_rows(const float* a, const float* b, int width, float* out)
     }
 }
 
-void detail::build_levels(std::span<const PyramidLevel> levels, float* texels, ReduceRows reduce)
+void detail::build_levels(std::span<const PyramidLevel> levels, int base, float* texels,
+                          ReduceRows reduce)
 {
-    for (size_t n = 1; n < levels.size(); ++n) {
+    for (size_t n = static_cast<size_t>(base) + 1; n < levels.size(); ++n) {
         const PyramidLevel& fine = levels[n - 1];
         const PyramidLevel& coarse = levels[n];
         const float* in = texels + fine.first;
@@ -72,9 +86,9 @@ void detail::build_levels(std::span<const PyramidLevel> levels, float* texels, R
 void DepthPyramid::build(Kernel kernel)
 {
     if (kernel == Kernel::simd) {
-        detail::build_levels_simd(levels_, texels_.data());
+        detail::build_levels_simd(levels_, base_, texels_.data());
     } else {
-        detail::build_levels(levels_, texels_.data(), &detail::reduce_rows);
+        detail::build_levels(levels_, base_, texels_.data(), &detail::reduce_rows);
     }
 }
 
@@ -90,8 +104,8 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRang
     const bool whole = low.x >= pixels.low.x && low.y >= pixels.low.y &&
                        std::min(high.x, size_px().x - 1) <= pixels.high.x &&
                        std::min(high.y, size_px().y - 1) <= pixels.high.y;
-    if (whole) {
-        return false; // its farthest pixel is in the rectangle
+    if (whole || level == base_) {
+        return false; // its farthest pixel is in the rectangle, or may be
     }
     // A texel of level 0 is one pixel of the rectangle, so that this one has children.
     const int fine = level - 1;
@@ -133,21 +147,21 @@ bool detail::all_nearer(const PyramidLevel& level, const float* texels, const Te
     return (inside & ~bits_of(columns < splat(nearest))) == 0;
 }
 
-bool detail::coarse_hides(std::span<const PyramidLevel> levels, const float* texels,
+bool detail::coarse_hides(std::span<const PyramidLevel> levels, int base, const float* texels,
                           const PixelRect& rect, float nearest)
 {
     TexelRange pixels;
     if (!clip(rect, levels[0].size, pixels)) {
         return true;
     }
-    const int n = coarse_level(pixels);
+    const int n = std::max(coarse_level(pixels), base);
     return all_nearer(levels[static_cast<size_t>(n)], texels, {pixels.low >> n, pixels.high >> n},
                       nearest);
 }
 
 bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refinement) const
 {
-    if (empty() || detail::coarse_hides(levels_, texels_.data(), rect, nearest)) {
+    if (empty() || detail::coarse_hides(levels_, base_, texels_.data(), rect, nearest)) {
         return true;
     }
     if (refinement == Refinement::none) {
@@ -161,7 +175,7 @@ bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refine
 // Where a coarse test does not hide: first those of its texels that are whole, then texel by texel.
 bool DepthPyramid::pixels_hide(const detail::TexelRange& pixels, float nearest) const
 {
-    const int level = detail::coarse_level(pixels);
+    const int level = std::max(detail::coarse_level(pixels), base_);
     const detail::TexelRange whole = detail::whole_texels(pixels, level, size_px());
     if (!whole.is_empty() &&
         !detail::all_nearer(levels_[static_cast<size_t>(level)], texels_.data(), whole, nearest)) {
@@ -192,7 +206,7 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRang
     if (box.beyond(double{texel(level, at.x, at.y)}, low, high)) {
         return true;
     }
-    if (level == 0) {
+    if (level == base_) {
         return false;
     }
     const int fine = level - 1;
@@ -213,12 +227,13 @@ bool DepthPyramid::hides_within(const ScreenBox& box, const PixelRect& rect,
     if (!detail::clip(rect, size_px(), pixels)) {
         return true;
     }
-    // What is seen mostly is so in the middle.
+    // What is seen mostly is so in the middle. Where the texel there is a tile, its test fails too
+    // if that of one of its pixels does.
     const glm::ivec2 middle = (pixels.low + pixels.high) / 2;
-    if (!box.beyond(double{texel(0, middle.x, middle.y)}, middle, middle)) {
+    if (!box.beyond(double{texel(base_, middle.x >> base_, middle.y >> base_)}, middle, middle)) {
         return false;
     }
-    const int level = detail::coarse_level(pixels);
+    const int level = std::max(detail::coarse_level(pixels), base_);
     for (int y = pixels.low.y >> level; y <= pixels.high.y >> level; ++y) {
         for (int x = pixels.low.x >> level; x <= pixels.high.x >> level; ++x) {
             if (!texel_hides(level, {x, y}, pixels, box, texels_left)) {
@@ -240,7 +255,7 @@ void DepthPyramid::block_hides(const detail::BoundsBlock& block, Refinement refi
                                std::span<uint8_t> hidden) const
 {
     detail::BoundsBlock::Field<uint8_t> coarse;
-    detail::coarse_hides_simd(levels_, texels_.data(), block, hidden.size(), coarse);
+    detail::coarse_hides_simd(levels_, base_, texels_.data(), block, hidden.size(), coarse);
     std::copy_n(coarse.begin(), hidden.size(), hidden.begin());
     if (refinement == Refinement::none) {
         return;
@@ -323,7 +338,7 @@ float DepthPyramid::farthest_bound(const PixelRect& rect) const
     if (!detail::clip(rect, size_px(), pixels)) {
         return 0.0f;
     }
-    const int level = detail::coarse_level(pixels);
+    const int level = std::max(detail::coarse_level(pixels), base_);
     const detail::TexelRange texels{pixels.low >> level, pixels.high >> level};
     const detail::Float4 columns =
         farthest_of_columns(levels_[static_cast<size_t>(level)], texels_.data(), texels);

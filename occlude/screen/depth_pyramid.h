@@ -4,12 +4,14 @@
 // Implements  the z pyramid of N. Greene, M. Kass, G. Miller, "Hierarchical Z-Buffer Visibility",
 //             SIGGRAPH 1993, on the CPU and from a finished depth buffer.
 // Deviations  Level sizes are rounded up, so that pixel (x, y) lies in texel (x >> n, y >> n) of
-//             level n at every size of the target. A pyramid whose sizes are rounded down, as the
-//             mip levels of a texture are, must read up to 3x3 texels into one at odd sizes, and
-//             is wrong (objects vanish) where it reads 2x2; rounding up needs 2x2 and no rule for
-//             edges but "what is not there is not read".
+//             level n at every size of the target. The pyramid may start from any level, filled
+//             with the farthest depths of tiles: finer levels are then unknown. A pyramid whose
+//             sizes are rounded down, as the mip levels of a texture are, must read up to 3x3
+//             texels into one at odd sizes, and is wrong (objects vanish) where it reads 2x2;
+//             rounding up needs 2x2 and no rule for edges but "what is not there is not read".
 // Guarantees  Errs toward "not hidden": hides() is never true of a rectangle that has a pixel at
-//             `nearest` or farther. With Refinement::pixels it is exact.
+//             `nearest` or farther. With Refinement::pixels it is exact, or as exact as the
+//             tiles are from which it starts.
 // Cost        build() reads each pixel once and writes a third of that; a query looks at up to 16
 //             texels, and with refinement at few more unless the rectangle's border decides.
 #pragma once
@@ -31,7 +33,7 @@ namespace occlude {
 namespace detail {
 struct PyramidLevel {
     glm::ivec2 size;
-    size_t first; ///< of its texels, row by row from the bottom
+    size_t first; ///< of its texels, row by row from the bottom; 0 below the base level
 };
 struct TexelRange;
 struct BoundsBlock;
@@ -48,17 +50,21 @@ public:
     /// asks for one by mistake must not run out of memory.
     static constexpr size_t kMaxPixels = size_t{1} << 28;
 
-    /// Makes room for a target of this size and gives level 0 to be filled, row by row from the
-    /// bottom: window depth, 0 near to 1 far, no NaN. Then call build(). Empty, and so is the
-    /// pyramid, for a target without pixels or of more than kMaxPixels.
-    std::span<float> resize(glm::ivec2 size_px);
+    /// Makes room for a target of this size and gives level `base` to be filled, row by row from
+    /// the bottom: window depth, 0 near to 1 far, no NaN; above level 0 the farthest depth of each
+    /// tile of 2^base pixels along a side (QueryDevice::read_depth_tiles). Then call build(). A
+    /// base beyond the last level, that of one texel, means the last. Empty, and so is the pyramid,
+    /// for a target without pixels or of more than kMaxPixels. Precondition: base >= 0.
+    std::span<float> resize(glm::ivec2 size_px, int base = 0);
 
-    /// Makes the coarse levels from level 0.
+    /// Makes the coarse levels from the base level.
     void build(Kernel kernel = Kernel::simd);
 
     bool empty() const { return levels_.empty(); }
     glm::ivec2 size_px() const { return empty() ? glm::ivec2{0} : levels_[0].size; }
     int level_count() const { return static_cast<int>(levels_.size()); }
+    /// The finest level that is known.
+    int base_level() const { return base_; }
 
     /// True only if every pixel of the target inside `rect` is nearer than `nearest`: then nothing
     /// in the rectangle at that depth or beyond can be seen. True where `rect` misses the target.
@@ -107,7 +113,8 @@ private:
                      const ScreenBox& box, uint32_t& texels_left) const;
 
     std::vector<detail::PyramidLevel> levels_;
-    std::vector<float> texels_; ///< all levels, level 0 first, and some that are never looked at
+    int base_ = 0;
+    std::vector<float> texels_; ///< from the base level up, and some that are never looked at
 };
 
 } // namespace occlude

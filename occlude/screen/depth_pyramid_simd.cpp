@@ -18,15 +18,16 @@ namespace occlude::HWY_NAMESPACE {
 
 using detail::reduce_rows;
 
-void coarse_hides(std::span<const detail::PyramidLevel> levels, const float* texels,
+void coarse_hides(std::span<const detail::PyramidLevel> levels, int base, const float* texels,
                   const detail::BoundsBlock& bounds, size_t count,
                   detail::BoundsBlock::Field<uint8_t>& hidden)
 {
     for (size_t i = 0; i < count; ++i) {
-        hidden[i] = bounds.valid[i] != 0 && detail::coarse_hides(levels, texels, bounds.rect(i),
-                                                                 bounds.near_depth[i])
-                        ? 1
-                        : 0;
+        hidden[i] =
+            bounds.valid[i] != 0 &&
+                    detail::coarse_hides(levels, base, texels, bounds.rect(i), bounds.near_depth[i])
+                ? 1
+                : 0;
     }
 }
 
@@ -89,7 +90,7 @@ HWY_INLINE VI level_of_distance(VI pixels)
 }
 
 // Where the texels of the bounds from `i` on are: detail::coarse_level.
-HWY_INLINE void find_texels(glm::ivec2 target, const Block& bounds, size_t i, Coarse& out)
+HWY_INLINE void find_texels(glm::ivec2 target, int base, const Block& bounds, size_t i, Coarse& out)
 {
     const VI zero = hn::Zero(kI);
     const VI one = hn::Set(kI, 1);
@@ -105,7 +106,7 @@ HWY_INLINE void find_texels(glm::ivec2 target, const Block& bounds, size_t i, Co
     const VI across = hn::IfThenElseZero(some, hn::Sub(x.count, one));
     const VI up = hn::IfThenElseZero(some, hn::Sub(y.count, one));
 
-    VI level = level_of_distance(hn::Max(across, up));
+    VI level = hn::Max(level_of_distance(hn::Max(across, up)), hn::Set(kI, base));
     const auto texels = [&](VI low, VI distance) HWY_ATTR {
         return hn::Sub(hn::Shr(hn::Add(low, distance), level), hn::Shr(low, level));
     };
@@ -157,14 +158,14 @@ HWY_INLINE void answer(const Coarse& c, size_t i, Block::Field<uint8_t>& hidden)
 
 // Lanes beyond `count` hold anything: they are clipped as others are, and nobody reads their
 // answers.
-void coarse_hides(std::span<const detail::PyramidLevel> levels, const float* texels,
+void coarse_hides(std::span<const detail::PyramidLevel> levels, int base, const float* texels,
                   const Block& bounds, size_t count, Block::Field<uint8_t>& hidden)
 {
     static_assert(detail::kSpan == 4 && Block::kBoxes % hn::MaxLanes(F{}) == 0);
     const size_t lanes = hn::Lanes(kF);
     Coarse c;
     for (size_t i = 0; i < count; i += lanes) {
-        find_texels(levels[0].size, bounds, i, c);
+        find_texels(levels[0].size, base, bounds, i, c);
     }
     for (size_t i = 0; i < count; ++i) {
         farthest_of_columns(levels, texels, i, c);
@@ -176,9 +177,9 @@ void coarse_hides(std::span<const detail::PyramidLevel> levels, const float* tex
 
 #endif
 
-void build_levels(std::span<const detail::PyramidLevel> levels, float* texels)
+void build_levels(std::span<const detail::PyramidLevel> levels, int base, float* texels)
 {
-    detail::build_levels(levels, texels, &reduce_rows);
+    detail::build_levels(levels, base, texels, &reduce_rows);
 }
 
 } // namespace occlude::HWY_NAMESPACE
@@ -189,16 +190,16 @@ namespace occlude {
 HWY_EXPORT(build_levels);
 HWY_EXPORT(coarse_hides);
 
-void detail::build_levels_simd(std::span<const PyramidLevel> levels, float* texels)
+void detail::build_levels_simd(std::span<const PyramidLevel> levels, int base, float* texels)
 {
-    HWY_DYNAMIC_DISPATCH(build_levels)(levels, texels);
+    HWY_DYNAMIC_DISPATCH(build_levels)(levels, base, texels);
 }
 
-void detail::coarse_hides_simd(std::span<const PyramidLevel> levels, const float* texels,
+void detail::coarse_hides_simd(std::span<const PyramidLevel> levels, int base, const float* texels,
                                const BoundsBlock& bounds, size_t count,
                                BoundsBlock::Field<uint8_t>& hidden)
 {
-    HWY_DYNAMIC_DISPATCH(coarse_hides)(levels, texels, bounds, count, hidden);
+    HWY_DYNAMIC_DISPATCH(coarse_hides)(levels, base, texels, bounds, count, hidden);
 }
 
 } // namespace occlude

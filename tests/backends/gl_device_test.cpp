@@ -30,6 +30,8 @@ TEST_F(GlDeviceTest, CapsSayWhatItCan)
     EXPECT_TRUE(caps.draw_and_query);
     EXPECT_TRUE(caps.read_depth);
     EXPECT_EQ(caps.max_outstanding, 4096u);
+    ASSERT_EQ(caps.depth_reads.size(), 7u) << "1 to 64 pixels";
+    EXPECT_LT(caps.find_depth_read(16)->us({1280, 720}), 1e5f);
     ASSERT_EQ(caps.methods.size(), 3u);
     EXPECT_EQ(caps.methods[0].method, TestMethod::queries);
     for (const TestCost& cost : caps.methods) {

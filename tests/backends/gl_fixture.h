@@ -88,6 +88,12 @@ void main() { result = color; })");
         view_ = view;
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
         glViewport(0, 0, size_.x, size_.y);
+        if (split_screen) { // each view clears and draws its own part of the target
+            const glm::ivec2 at = view.viewport_origin_px();
+            glViewport(at.x, at.y, view.size_px().x, view.size_px().y);
+            glEnable(GL_SCISSOR_TEST);
+            glScissor(at.x, at.y, view.size_px().x, view.size_px().y);
+        }
         restore_state();
         restores = 0;
         const bool reversed = view.convention().order == DepthOrder::near_is_large;
@@ -143,7 +149,8 @@ void main() { result = color; })");
 
     int restores = 0; ///< calls of restore_state() since begin_frame()
     int ended = 0;
-    int prepares = 0; ///< calls of prepare_tests()
+    bool split_screen = false; ///< the viewport is that of the view
+    int prepares = 0;          ///< calls of prepare_tests()
 
     // What an engine does besides, right or wrong.
     std::function<void()> after_begin;

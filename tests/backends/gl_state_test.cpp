@@ -157,6 +157,9 @@ TEST_F(GlStateTest, ReadingDepthPutsBackAllState)
             unusual ? set_unusual_state() : glEnable(GL_DEPTH_TEST);
             const State before = state_now();
             EXPECT_EQ(depths(), std::vector<float>(64 * 64, 0.5f)) << samples;
+            std::vector<float> tiles(4);
+            EXPECT_TRUE(device->read_depth_tiles(32, tiles));
+            EXPECT_EQ(tiles, std::vector<float>(4, 0.5f)) << samples;
             EXPECT_EQ(difference(before, state_now()), std::set<std::string>{}) << samples;
         }
         set_usual_state();

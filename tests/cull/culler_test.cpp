@@ -263,5 +263,53 @@ TEST(Ideal, IgnoresAnOwnerThatIsNoItemOfTheTree)
 }
 #endif
 
+// --- messages ------------------------------------------------------------------------------------
+
+// The names of what `culler` says in two frames of `view` on `device`.
+std::string names_of_messages(Culler& culler, QueryDevice& device, const View& view)
+{
+    std::string names;
+    culler.set_message_handler([&](const Message& message) {
+        names += std::string(message.name) + " ";
+        EXPECT_FALSE(message.text.empty());
+    });
+    culler.cull(view, device);
+    culler.cull(view, device);
+    return names;
+}
+
+TEST(Culler, TellsItsHostOfAClockThatStandsStill)
+{
+    const Hierarchy tree = test::row_tree(4);
+    ScriptedDevice device;
+    device.script().caps.methods = {{TestMethod::queries, 1.0f, 1.0f, 1.0f}};
+    device.script().caps.us_per_triangle = 100.0f;
+    Adaptive culler(tree, {.method = AdaptiveOptions::Method::queries}, [] { return 7.0; });
+    std::string names;
+    culler.set_message_handler(
+        [&](const Message& message) { names += std::string(message.name) + " "; });
+    for (int frame = 0; frame < 8; ++frame) {
+        culler.cull(test::look_ahead(), device);
+    }
+    EXPECT_EQ(names, "culler.useless_clock ");
+}
+
+TEST(Culler, TellsItsHostOnceOfFaultsOfTheDeviceAndTheView)
+{
+    const Hierarchy tree = test::row_tree(2);
+    ScriptedDevice good;
+    ScriptedDevice lossy({.latency = [](uint64_t) { return Latency::lost(); }});
+    ScriptedDevice blind({.depth = [](const PixelRect&, std::span<float>) { return false; }});
+    blind.script().caps.read_depth = true;
+    const View view = test::look_ahead();
+    StopAndWait asks(tree);
+    EXPECT_EQ(names_of_messages(asks, good, view), "");
+    EXPECT_EQ(names_of_messages(asks, lossy, view), "culler.lost_answers ");
+    TwoPhase reads(tree);
+    EXPECT_EQ(names_of_messages(reads, blind, view), "culler.depth_read ");
+    EXPECT_EQ(names_of_messages(asks, good, View::from_clip(glm::mat4{1.0f}, {0, 0})),
+              "culler.empty_view ");
+}
+
 } // namespace
 } // namespace occlude

@@ -2,6 +2,7 @@
 // counterpart of invariants_test.cpp, over a device whose depth is made up but consistent: it only
 // ever comes nearer within a frame. (The image itself is in exactness_test.cpp.)
 #include <occlude/cull/registry.h>
+#include <occlude/screen/depth_tiles.h>
 #include <occlude/screen/projection.h>
 #include <occlude/screen/screen_box.h>
 
@@ -50,11 +51,14 @@ const std::vector<Case>& cases()
         {"lazy_grid", {{"free_below_covered", "0.5"}}},
         {"lazy_grid", {{"whole_cell_share", "0.5"}}},
         {"lazy_grid", {{"internal_above_pixels", "500"}}},
+        {"lazy_grid", {{"tile", "8"}}},
+        {"lazy_grid", {{"tile", "8"}, {"bounds", "faces"}, {"cell_size", "20"}}},
         {"two_phase", {}},
         {"two_phase", {{"refine", "false"}}},
         {"two_phase", {{"virtual_leaves", "true"}}},
         {"two_phase", {{"reread_triangles", "500"}}},
         {"two_phase", {{"reread_triangles", "0"}, {"final_depth", "true"}}},
+        {"two_phase", {{"tile", "8"}}},
         {"adaptive", {{"method", "pyramid"}}},
     };
     return all;
@@ -118,6 +122,14 @@ protected:
                     }
                 }
             }
+            return true;
+        };
+        script.caps.depth_reads = {{.tile_px = 1}, {.tile_px = 8}};
+        script.depth_tiles = [this, depth = script.depth](int tile_px, std::span<float> out) {
+            const glm::ivec2 size = view_.size_px();
+            std::vector<float> pixels(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+            depth({0, 0, size.x, size.y}, pixels);
+            farthest_of_tiles(pixels, size, tile_px, out);
             return true;
         };
         return script;

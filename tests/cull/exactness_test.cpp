@@ -246,7 +246,10 @@ TEST(Exactness, TwoPhaseWithEachPartSwitched)
                                             {"refine", "false"},
                                             {"reread_triangles", "0"},
                                             {"reread_triangles", "200"},
-                                            {"final_depth", "true"}};
+                                            {"final_depth", "true"},
+                                            {"tile", "2"},
+                                            {"tile", "8"},
+                                            {"tile", "64"}};
     for (const OptionValue& option : switches) {
         SCOPED_TRACE(option.first + "=" + option.second);
         expect_exact({.algorithm = "two_phase", .options = {option}});
@@ -414,6 +417,10 @@ TEST(Exactness, LazyGridWithEachPartSwitched)
         {{"whole_cell_share", "0.5"}},
         {{"whole_cell_share", "0.5"}, {"join", "rows"}},
         {{"internal_above_pixels", "900"}},
+        {{"tile", "8"}},
+        {{"tile", "8"}, {"cell_size", "7"}, {"update", "busy"}},
+        {{"tile", "4"}, {"bounds", "faces"}, {"whole_cell_share", "0.5"}},
+        {{"tile", "2"}, {"variant", "occlusion_buffer"}, {"tests_at_once", "8"}},
         {{"variant", "occlusion_buffer"},
          {"free_below_covered", "0.6"},
          {"whole_cell_share", "0.5"},

@@ -51,6 +51,35 @@ TEST(TwoPhase, ColdStartDrawsEverythingThenKeepsWhatItsOwnDepthShows)
     EXPECT_EQ(culler.decisions().by_item(tree), expected);
 }
 
+TEST(TwoPhase, ReadsTilesWhereTheDeviceHasThemAndPixelsElsewhere)
+{
+    const Hierarchy tree = row_tree(2);
+    float depth = kBeyondItem0;
+    DeviceScript script = depth_everywhere(depth);
+    script.caps.depth_reads = {{.tile_px = 1}, {.tile_px = 8}, {.tile_px = 128}};
+    script.depth_tiles = [&](int tile_px, std::span<float> out) {
+        EXPECT_EQ(out.size(), static_cast<size_t>((64 / tile_px) * (64 / tile_px)));
+        std::fill(out.begin(), out.end(), depth);
+        return true;
+    };
+    ScriptedDevice device(script);
+    const auto third_frame = [&](uint32_t tile) {
+        device.clear_trace();
+        TwoPhase culler{tree, {.tile = tile}};
+        for (int frame = 0; frame < 3; ++frame) {
+            culler.cull(look_ahead(), device);
+        }
+        return device.frame_text(device.trace().back().frame);
+    };
+    EXPECT_EQ(third_frame(8), "draw 0\nflush\nread_depth_tiles 8\n");
+    EXPECT_EQ(third_frame(16), "draw 0\nflush\nread_depth 0 0 64x64\n") << "no such tiles";
+    EXPECT_EQ(third_frame(128), "draw 0\nflush\nread_depth_tiles 128\n") << "one for all";
+    EXPECT_EQ(third_frame(0), "draw 0\nflush\nread_depth 0 0 64x64\n");
+    device.script().depth_tiles = [](int, std::span<float>) { return false; };
+    EXPECT_EQ(third_frame(8), "draw 0\nflush\nread_depth_tiles 8\nread_depth 0 0 64x64\n")
+        << "a read of tiles that fails";
+}
+
 TEST(TwoPhase, PhaseTwoDrawsWhatTheDepthOfPhaseOneReveals)
 {
     const Hierarchy tree = row_tree(2);

@@ -82,6 +82,7 @@ TEST(CountingDevice, CountsOnlyDepthThatCouldBeRead)
     EXPECT_EQ(device.frame().depth_reads, 0u);
     scripted.script().caps.read_depth = true;
     EXPECT_TRUE(device.read_depth({0, 0, 3, 2}, depth));
+    EXPECT_FALSE(device.read_depth_tiles(32, depth)) << "counts nothing";
     EXPECT_EQ(device.frame().depth_reads, 1u);
     EXPECT_EQ(device.frame().pixels_read, 6u);
 }

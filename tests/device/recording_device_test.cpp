@@ -36,6 +36,7 @@ std::string run(QueryDevice& device, uint32_t first_item = 0)
     note(device.wait(device.draw_and_query(test::items({2}), DrawPass::shade)));
     std::array<float, 4> depth{};
     learned << device.read_depth({0, 0, 2, 2}, depth) << depth[0] << depth[3] << " ";
+    learned << device.read_depth_tiles(32, depth) << depth[0] << depth[3] << " ";
     device.end_frame();
     device.begin_frame(test::camera());
     note(device.wait(tickets[1]));
@@ -59,7 +60,8 @@ ScriptedDevice scripted_device()
                                     .read_depth = true,
                                     .max_outstanding = 17,
                                     .methods = {{TestMethod::raster, 1.0f, 2.0f, 3.0f, false},
-                                                {TestMethod::queries, 1.0f, 2.0f, 4.0f}}}});
+                                                {TestMethod::queries, 1.0f, 2.0f, 4.0f}},
+                                    .depth_reads = {{.tile_px = 32}}}});
 }
 
 Recording record(uint32_t first_item = 0)

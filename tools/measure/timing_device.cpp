@@ -90,6 +90,16 @@ bool TimingDevice::read_depth(const PixelRect& rect, std::span<float> out)
     return read;
 }
 
+bool TimingDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    const double start = clock_();
+    const bool read = inner().read_depth_tiles(tile_px, out);
+    const double seconds = clock_() - start;
+    verb_seconds_ += seconds;
+    read_seconds_ += seconds;
+    return read;
+}
+
 void TimingDevice::end_frame()
 {
     const Span span{clock_, verb_seconds_};

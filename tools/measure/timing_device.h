@@ -20,7 +20,7 @@ public:
     double verb_seconds() const { return verb_seconds_; }
     /// Seconds spent in wait().
     double wait_seconds() const { return wait_seconds_; }
-    /// Seconds spent in read_depth().
+    /// Seconds spent in read_depth() and read_depth_tiles().
     double read_seconds() const { return read_seconds_; }
     /// Calls of poll(): what a culler decides after one may depend on when answers arrive.
     uint64_t polls() const { return polls_; }
@@ -34,6 +34,7 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
 private:

@@ -39,6 +39,8 @@ constexpr std::array<std::array<size_t, 4>, 6> kBoxFaces{{
     {4, 5, 7, 6},
 }};
 
+constexpr int kLargestTile = 64; // pixels
+
 // The next value of a stamp; when all values were used, every mark is taken back first.
 void advance_stamp(uint32_t& current, std::vector<uint32_t>& marks)
 {
@@ -68,6 +70,12 @@ CpuDevice::CpuDevice(const CpuScene& scene, const CpuDeviceOptions& options)
                       .us_per_box = 0.1f,
                       .exact_counts = false}};
     caps_.us_per_triangle = 0.1f;
+    for (int tile_px = 1; tile_px <= kLargestTile; tile_px *= 2) {
+        caps_.depth_reads.push_back({.tile_px = tile_px,
+                                     .us_per_read = 1.0f,
+                                     .us_per_pixel = tile_px > 1 ? 0.0004f : 0.0f,
+                                     .us_per_value = 0.0004f});
+    }
 }
 
 Result<bool> CpuDevice::use_method(TestMethod method)
@@ -368,25 +376,6 @@ Answer CpuDevice::wait(Ticket ticket)
     }
     free_slots_.push_back(ticket.index);
     return slot.answer;
-}
-
-bool CpuDevice::read_depth(const PixelRect& rect, std::span<float> out)
-{
-    if (!transform_.usable()) {
-        return false; // a view without a target; see begin_frame()
-    }
-    const bool fits = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
-                      rect.width <= size_px_.x - rect.x && rect.height <= size_px_.y - rect.y;
-    OCCLUDE_ASSERT(fits, "read_depth outside of the target");
-    if (!fits || out.size() != static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height)) {
-        return false;
-    }
-    for (int row = 0; row < rect.height; ++row) {
-        const auto from =
-            depth_.begin() + (rect.y + row) * static_cast<ptrdiff_t>(size_px_.x) + rect.x;
-        std::copy(from, from + rect.width, out.begin() + row * static_cast<ptrdiff_t>(rect.width));
-    }
-    return true;
 }
 
 CpuDevice::Owner CpuDevice::owner(size_t pixel) const

@@ -92,6 +92,7 @@ public:
     Answer poll(Ticket ticket) override { return wait(ticket); }
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override { in_frame_ = false; }
 
     /// The target of the last frame: its size (0 before the first), its window depth, and who owns

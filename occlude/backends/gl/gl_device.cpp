@@ -26,6 +26,10 @@ constexpr TestCost kQueriesCost{TestMethod::queries, 60.0f, 18.0f, 4.0f};
 constexpr TestCost kRasterCost{TestMethod::raster, 150.0f, 1.0f, 4.0f, false};
 constexpr TestCost kPyramidCost{TestMethod::pyramid, 1000.0f, 0.1f, 0.1f, false};
 
+// The same of read-backs.
+constexpr DepthReadCost kPixelsCost{1, 200.0f, 0.0f, 0.0004f};
+constexpr DepthReadCost kTilesCost{2, 250.0f, 0.004f, 0.0004f};
+
 bool checks_state(GlStateChecks checks)
 {
     return checks == GlStateChecks::after_draws ||
@@ -100,6 +104,11 @@ Result<std::unique_ptr<GlDevice>> GlDevice::create(GlScene& scene, const GlDevic
     caps.name = "gl";
     caps.draw_and_query = can_count_samples();
     caps.read_depth = true;
+    caps.depth_reads = {kPixelsCost};
+    for (int tile_px = 2; tile_px <= GlDepthReader::kLargestTile; tile_px *= 2) {
+        caps.depth_reads.push_back(kTilesCost);
+        caps.depth_reads.back().tile_px = tile_px;
+    }
     caps.max_outstanding = options.max_outstanding;
     if (caps.draw_and_query) {
         caps.methods.push_back(kQueriesCost);
@@ -321,6 +330,29 @@ bool GlDevice::read_depth(const PixelRect& rect, std::span<float> out)
     return true;
 }
 
+bool GlDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    const bool legal = tile_px > 1 && caps_.find_depth_read(tile_px) != nullptr;
+    OCCLUDE_ASSERT(legal, "read_depth_tiles(): caps().depth_reads lists the sizes of tiles");
+    const glm::ivec2 size = view_.size_px();
+    const glm::ivec2 tiles = tiles_in(size, legal ? tile_px : 1);
+    if (!legal || frame_ != Frame::good || size.x <= 0 || size.y <= 0 ||
+        out.size() != static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y)) {
+        return false;
+    }
+    const GlTargetState& target = parts_->target;
+    const DepthOrder order = view_.convention().order;
+    const DepthSample sample =
+        target.near_is_large(order) ? DepthSample::smallest : DepthSample::largest;
+    if (!parts_->depth->read_tiles(target.in_framebuffer({0, 0, size.x, size.y}), tile_px,
+                                   target.y_down, sample, out)) {
+        parts_->faults.report_no_depth();
+        return false;
+    }
+    target.to_view_depth(order, out);
+    return true;
+}
+
 void GlDevice::report_pool()
 {
     parts_->faults.report_pool(parts_->pool.take_faults(), parts_->options.max_outstanding,
@@ -346,6 +378,9 @@ void GlDevice::warm_up()
     }
     float depth = 0.0f;
     read_depth({0, 0, 1, 1}, {&depth, 1});
+    const glm::ivec2 tiles = tiles_in(view_.size_px(), GlDepthReader::kLargestTile);
+    std::vector<float> depths(static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y));
+    read_depth_tiles(GlDepthReader::kLargestTile, depths);
 }
 
 } // namespace occlude

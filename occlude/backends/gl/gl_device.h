@@ -17,7 +17,8 @@
 // a viewport of another size, an open query of the engine), they are lost: visible. Each fault is
 // reported once through GlDeviceOptions::on_message:
 //   gl.no_context gl.other_context gl.context_lost gl.incomplete_target gl.viewport gl.depth_range
-//   gl.query_open gl.no_query gl.pool_full gl.wait_budget gl.out_of_memory gl.read_depth
+//   gl.viewport_origin gl.query_open gl.no_query gl.pool_full gl.wait_budget gl.out_of_memory
+//   gl.read_depth
 // and with state checks also what hides objects although tests seem to work (gl_state_check.cpp):
 //   gl.depth_function gl.clip_control gl.depth_clear gl.stencil_test gl.scissor gl.polygon_mode
 //   gl.polygon_offset gl.rasterizer_discard gl.alpha_to_coverage gl.sample_coverage
@@ -107,6 +108,8 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    /// Tiles of 2 to 64 pixels, reduced on the device.
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
 private:

@@ -17,6 +17,11 @@ std::string text(glm::ivec2 size)
     return std::to_string(size.x) + "x" + std::to_string(size.y);
 }
 
+std::string place(glm::ivec2 pixel)
+{
+    return "(" + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) + ")";
+}
+
 const char* cause_of(GLenum framebuffer_status)
 {
     switch (framebuffer_status) {
@@ -92,6 +97,15 @@ bool GlFaults::can_test(const View& view, const GlTargetState& target)
                     "; nothing is culled until they agree");
         }
         return false;
+    }
+    const glm::ivec2 origin{target.viewport.x, target.viewport.y};
+    // Engines that place their viewports themselves need not tell the view.
+    if (origin != view.viewport_origin_px() && view.viewport_origin_px() != glm::ivec2{0} &&
+        messages_.due("gl.viewport_origin")) {
+        messages_.report(Severity::error, "gl.viewport_origin",
+                         "the view's viewport begins at pixel " + place(view.viewport_origin_px()) +
+                             " of the target, but glViewport at " + place(origin) +
+                             ": set it in GlScene::begin_frame() from view.viewport_origin_px()");
     }
     if (!(target.depth_extent() > 0.0f)) {
         messages_.report(Severity::warning, "gl.depth_range",

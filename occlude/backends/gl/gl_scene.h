@@ -15,7 +15,8 @@ class GlScene {
 public:
     virtual ~GlScene() = default;
 
-    /// Binds the target, sets the viewport (and glClipControl and glDepthRange, where the view's
+    /// Binds the target, sets the viewport (view.size_px() pixels from view.viewport_origin_px(),
+    /// or wherever the engine draws this view; and glClipControl and glDepthRange, where the view's
     /// convention needs them), clears, and sets everything that draw() relies on.
     virtual void begin_frame(const View& view) = 0;
 

@@ -4,9 +4,10 @@
 
 namespace occlude {
 
-void CostMeter::start_frame(const DeviceCaps& caps)
+void CostMeter::start_frame(const DeviceCaps& caps, glm::ivec2 size_px, double units)
 {
-    costs_.take_hints(caps);
+    costs_.take_hints(caps, size_px);
+    costs_.choose_tile(costs_.us_per_unit() * units);
     spent_us_ = 0.0;
     tests_ = 0.0;
     tried_ = false;
@@ -27,6 +28,13 @@ void CostMeter::note_drawing(double units, double us)
 {
     if (has_clock()) {
         costs_.record_drawing(units, std::max(us, 0.0));
+    }
+}
+
+void CostMeter::note_read(int tile_px, double us)
+{
+    if (has_clock()) {
+        costs_.record_read(tile_px, us);
     }
 }
 

@@ -24,8 +24,10 @@ public:
     {
     }
 
-    /// Takes the device's hints. What was measured stays.
-    void start_frame(const DeviceCaps& caps);
+    /// Takes the device's hints, for a target of `size_px`. What was measured stays. The frame is
+    /// expected to draw `units`.
+    void start_frame(const DeviceCaps& caps, glm::ivec2 size_px = glm::ivec2{0},
+                     double units = 0.0);
 
     const CostModel& costs() const { return costs_; }
 
@@ -53,6 +55,9 @@ public:
     void note_drawing(double units, double us);
     /// A round of tests, as CostModel::record_round().
     void note_round(TestMethod method, size_t tests, size_t boxes, double us);
+
+    /// One read-back in tiles of this size.
+    void note_read(int tile_px, double us);
 
     // --- this frame ---
 

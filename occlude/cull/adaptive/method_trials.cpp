@@ -42,12 +42,15 @@ bool MethodTrials::read_is_due(const CullFrame& frame) const
 bool MethodTrials::read_and_measure(CullFrame& frame)
 {
     shared_.meter.note_trial();
+    const int tile_px = shared_.costs().unmeasured_tile_px();
+    shared_.depth.set_tile_px(tile_px);
     shared_.depth.make_room(frame.view());
     const double from = shared_.meter.now_us();
     const bool known = shared_.depth.read(frame);
     const double to = shared_.meter.now_us();
     shared_.meter.check_clock(from, to);
-    shared_.meter.note_round(TestMethod::pyramid, 1, 1, to - from);
+    shared_.meter.note_read(tile_px, to - from);
+    shared_.depth.set_tile_px(shared_.costs().tile_px());
     return known;
 }
 

@@ -26,8 +26,8 @@ public:
 
     /// Is it worth a look at how long a read-back takes?
     bool read_is_due(const CullFrame& frame) const;
-    /// Reads depth and measures how long it takes. The target was not read since it was drawn to: a
-    /// second time it would come from a cache.
+    /// Reads depth, in the tiles that are to be measured next, and measures how long it takes. The
+    /// target was not read since it was drawn to: a second time it would come from a cache.
     bool read_and_measure(CullFrame& frame);
 
 private:

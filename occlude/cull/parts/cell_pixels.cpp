@@ -115,6 +115,77 @@ const float* ReadBackPixels::pixels_of(CullFrame& frame, const PixelRect& rect, 
     return frame.read_depth(rect, pixels_) ? pixels_.data() : nullptr;
 }
 
+// --- tiles ---------------------------------------------------------------------------------------
+
+bool TiledPixels::look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
+                       std::span<const AskedCell> cells)
+{
+    const bool all_copied = std::all_of(
+        cells.begin(), cells.end(), [&](const AskedCell& a) { return grid.cell(a.cell).copied; });
+    if (!all_copied && !read(frame, grid)) {
+        return true;
+    }
+    for (const AskedCell& a : cells) {
+        ++frame.counters().cells_asked;
+        if (asks_whole_cell(grid, a)) {
+            grid.update(a.cell, farthest(grid.pixels(a.cell)));
+        }
+        if (any_tile_is_free(question, a.part)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Makes tiles_ hold the depth of the whole target as it is now. False if the device cannot.
+bool TiledPixels::read(CullFrame& frame, OcclusionGrid& grid)
+{
+    size_in_tiles_ = tiles_in(frame.view().size_px(), tile_px_);
+    tiles_.resize(static_cast<size_t>(size_in_tiles_.x) * static_cast<size_t>(size_in_tiles_.y));
+    if (!frame.read_depth_tiles(tile_px_, tiles_)) {
+        return false;
+    }
+    for (int y = 0; y < grid.size_in_cells().y; ++y) {
+        for (int x = 0; x < grid.size_in_cells().x; ++x) {
+            grid.cell({x, y}).copied = true;
+        }
+    }
+    return true;
+}
+
+// An upper bound for the pixels of `rect`: a tile may reach beyond it.
+float TiledPixels::farthest(const PixelRect& rect) const
+{
+    const glm::ivec2 low{rect.x / tile_px_, rect.y / tile_px_};
+    const glm::ivec2 high{(rect.x + rect.width - 1) / tile_px_,
+                          (rect.y + rect.height - 1) / tile_px_};
+    const auto stride = static_cast<size_t>(size_in_tiles_.x);
+    return farthest_depth(
+        tiles_.data() + static_cast<size_t>(low.y) * stride + static_cast<size_t>(low.x),
+        static_cast<size_t>(high.x - low.x + 1), static_cast<size_t>(high.y - low.y + 1), stride);
+}
+
+bool TiledPixels::any_tile_is_free(const PixelQuestion& question, const PixelRect& part) const
+{
+    if (question.faces == nullptr) {
+        return question.depth <= farthest(part);
+    }
+    const int end_x = part.x + part.width;
+    const int end_y = part.y + part.height;
+    for (int y = part.y - part.y % tile_px_; y < end_y; y += tile_px_) {
+        for (int x = part.x - part.x % tile_px_; x < end_x; x += tile_px_) {
+            const float tile = farthest({x, y, 1, 1});
+            const glm::ivec2 low{std::max(x, part.x), std::max(y, part.y)};
+            const glm::ivec2 high{std::min(x + tile_px_, end_x) - 1,
+                                  std::min(y + tile_px_, end_y) - 1};
+            if (question.depth <= tile && !question.faces->beyond(double{tile}, low, high)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 // --- queries -------------------------------------------------------------------------------------
 
 // Nearer than zmax, or the rectangle could not be drawn at all. A pixel that was drawn into beyond

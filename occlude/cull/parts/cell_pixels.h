@@ -1,5 +1,6 @@
-// Two ways of looking at the pixels of the cells of an occlusion grid, behind one interface: depth
-// that is read back, and occlusion queries of rectangles.
+// Three ways of looking at the pixels of the cells of an occlusion grid, behind one interface:
+// depth that is read back, by pixels or by the farthest of tiles, and occlusion queries of
+// rectangles.
 //
 // Implements  Hey, Tobler, Purgathofer 2001, section 5. LazyGrid (lazy_grid.h) says which cells are
 //             asked; the answers change the grid's cells here.
@@ -88,6 +89,34 @@ private:
     const float* pixels_of(CullFrame& frame, const PixelRect& rect, size_t& stride);
 
     std::vector<float> pixels_; ///< copy of the target's depth, or of one cell
+};
+
+/// Depth that the device reduced to the farthest of each tile: QueryDevice::read_depth_tiles. A
+/// look takes the whole target. All pixels of a tile count as far as its farthest one, so that more
+/// are free than with ReadBackPixels, and no box is hidden that is not hidden there.
+class TiledPixels final : public CellPixels {
+public:
+    /// Precondition of any_pixel_is_free(): the device lists tiles of `tile_px` in
+    /// caps.depth_reads.
+    TiledPixels(double whole_cell_share, int tile_px)
+        : CellPixels(Join::target, whole_cell_share)
+        , tile_px_(tile_px)
+    {
+    }
+
+    float uncovered_depth() const override { return OcclusionGrid::kFarthest; }
+    float state_depth() const override { return 2.0f; } // no pixel is as far
+
+private:
+    bool look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
+              std::span<const AskedCell> cells) override;
+    bool read(CullFrame& frame, OcclusionGrid& grid);
+    float farthest(const PixelRect& rect) const;
+    bool any_tile_is_free(const PixelQuestion& question, const PixelRect& part) const;
+
+    int tile_px_;
+    glm::ivec2 size_in_tiles_{0};
+    std::vector<float> tiles_;
 };
 
 /// Occlusion queries of rectangles that face the camera: they need no depth from the device.

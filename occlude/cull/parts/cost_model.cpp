@@ -45,12 +45,14 @@ double RecentMedian::value() const
     return *median;
 }
 
-void CostModel::take_hints(const DeviceCaps& caps)
+void CostModel::take_hints(const DeviceCaps& caps, glm::ivec2 size_px)
 {
+    take_read_hints(caps, size_px);
     if (hint_us_per_triangle_ == caps.us_per_triangle && hint_us_per_item_ == caps.us_per_item) {
         return;
     }
     *this = CostModel{};
+    take_read_hints(caps, size_px);
     hint_us_per_triangle_ = caps.us_per_triangle;
     hint_us_per_item_ = caps.us_per_item;
     us_per_unit_ = caps.us_per_triangle;
@@ -67,8 +69,65 @@ void CostModel::take_hints(const DeviceCaps& caps)
     pyramid.hint = kPyramidHint;
 }
 
+// The hint of pixels stands for that of the whole method; hints of tiles say how they compare.
+void CostModel::take_read_hints(const DeviceCaps& caps, glm::ivec2 size_px)
+{
+    const DepthReadCost* pixels = caps.find_depth_read(1);
+    const double pixels_us = pixels != nullptr ? double{pixels->us(size_px)} : 0.0;
+    for (Read& read : reads_) {
+        const DepthReadCost* hint = caps.find_depth_read(read.tile_px);
+        read.available = read.tile_px == 1 || (hint != nullptr && pixels_us > 0.0);
+        read.hint_us = kPyramidHint.us_per_round;
+        if (read.available && read.tile_px > 1) {
+            read.hint_us *= double{hint->us(size_px)} / pixels_us;
+        }
+    }
+    if (!reads_[read_].available) {
+        read_ = 0;
+    }
+}
+
+void CostModel::choose_tile(double drawn_us)
+{
+    const bool measured = !reads_[0].us.empty();
+    const auto cost_us = [&](const Read& read) {
+        return read.cost_us() + read.undrawn_share * drawn_us;
+    };
+    read_ = 0;
+    for (size_t i = 1; i < reads_.size(); ++i) {
+        const bool known = reads_[i].available && (!measured || !reads_[i].us.empty());
+        if (known && cost_us(reads_[i]) < cost_us(reads_[read_])) {
+            read_ = i;
+        }
+    }
+}
+
+int CostModel::unmeasured_tile_px() const
+{
+    const auto due = [&](const Read& read) {
+        return read.available && read.us.count() < kMeasuredRounds &&
+               (read.tile_px == 1 || !read.us.empty() ||
+                read.hint_us < kMaxHintRatio * reads_[0].cost_us());
+    };
+    const auto found = std::find_if(reads_.begin(), reads_.end(), due);
+    return found != reads_.end() ? found->tile_px : 0;
+}
+
+void CostModel::record_read(int tile_px, double us)
+{
+    for (Read& read : reads_) {
+        if (read.tile_px == tile_px) {
+            read.us.add(us);
+        }
+    }
+}
+
 void CostModel::forget_measurements()
 {
+    for (Read& read : reads_) {
+        read.us = {};
+    }
+    read_ = 0;
     for (Method& method : methods_) {
         method.small_round_us = {};
         method.us_per_test = {};
@@ -134,7 +193,9 @@ RoundCost CostModel::round(TestMethod which) const
         cost.us_per_box = method.us_per_box.value();
     }
     cost.us_per_box = std::min(cost.us_per_box, cost.us_per_test);
-    if (!method.small_round_us.empty()) {
+    if (which == TestMethod::pyramid) {
+        cost.us_per_round = reads_[read_].cost_us();
+    } else if (!method.small_round_us.empty()) {
         cost.us_per_round = method.small_round_us.value();
     }
     return cost;
@@ -143,11 +204,14 @@ RoundCost CostModel::round(TestMethod which) const
 CostModel::RoundSize CostModel::least_known(TestMethod which) const
 {
     const Method& method = methods_[index(which)];
-    const size_t rounds = method.small_round_us.count();
+    const size_t rounds = small_round_us(which).count();
     if (!method.available) {
         return {};
     }
-    if (which != TestMethod::pyramid && method.us_per_test.count() < rounds) {
+    if (which == TestMethod::pyramid) {
+        return unmeasured_tile_px() > 0 ? RoundSize{1, 1} : RoundSize{};
+    }
+    if (method.us_per_test.count() < rounds) {
         return {kLargeRoundBoxes, kLargeRoundBoxes};
     }
     if (which == TestMethod::queries && method.us_per_box.count() < rounds) {
@@ -160,13 +224,13 @@ void CostModel::record_round(TestMethod which, size_t tests, size_t boxes, doubl
 {
     Method& method = methods_[index(which)];
     if (boxes <= 1) {
-        method.small_round_us.add(us);
+        (which == TestMethod::pyramid ? reads_[read_].us : method.small_round_us).add(us);
         return;
     }
-    if (method.small_round_us.empty()) {
+    if (small_round_us(which).empty()) {
         return;
     }
-    const double beyond = us - method.small_round_us.value();
+    const double beyond = us - small_round_us(which).value();
     if (tests == 1) {
         method.us_per_box.add(std::max(beyond, 0.0) / static_cast<double>(boxes - 1));
         return;

@@ -55,8 +55,9 @@ struct RoundCost {
 
 class CostModel {
 public:
-    /// Starts from the device's hints. Keeps what was measured if they are the hints it had.
-    void take_hints(const DeviceCaps& caps);
+    /// Starts from the device's hints, those of read-backs for a target of `size_px`. Keeps what
+    /// was measured if they are the hints it had.
+    void take_hints(const DeviceCaps& caps, glm::ivec2 size_px = glm::ivec2{0});
     /// Costs are what the hints say again.
     void forget_measurements();
 
@@ -83,7 +84,8 @@ public:
     RoundCost round(TestMethod method) const;
     bool has(TestMethod method) const { return methods_[index(method)].available; }
 
-    /// A round of `tests` of `boxes` by `method` on an idle device took `us`.
+    /// A round of `tests` of `boxes` by `method` on an idle device took `us`. A round of one
+    /// box by TestMethod::pyramid is a read-back in tiles of tile_px().
     void record_round(TestMethod method, size_t tests, size_t boxes, double us);
     /// The round whose time would tell what is known least of `method`. No tests once each of its
     /// costs was measured three times, or if the device does not have the method.
@@ -92,13 +94,23 @@ public:
         size_t boxes = 0;
     };
     RoundSize least_known(TestMethod method) const;
+    // --- read-backs: a round of TestMethod::pyramid begins with one ---
+
+    /// The tiles in which depth is to be read: 1 is pixels.
+    int tile_px() const { return reads_[read_].tile_px; }
+    /// Chooses the tiles that cost least in a frame that draws for `drawn_us`: coarser tiles are
+    /// read faster and hide less. Sizes that were not measured are not chosen if pixels were.
+    void choose_tile(double drawn_us);
+    /// The tiles whose read-back is to be measured next: pixels first, then sizes that may cost
+    /// less by their hints. 0: all are known.
+    int unmeasured_tile_px() const;
+    /// One read-back of the whole target in tiles of this size took `us`, on an idle device.
+    void record_read(int tile_px, double us);
+
     /// What the device's hints say that it costs.
     RoundCost hint(TestMethod method) const { return methods_[index(method)].hint; }
     /// Rounds of a single test that were recorded.
-    size_t rounds_measured(TestMethod method) const
-    {
-        return methods_[index(method)].small_round_us.count();
-    }
+    size_t rounds_measured(TestMethod method) const { return small_round_us(method).count(); }
 
     /// Some of its costs were measured, but not all.
     bool partly_known(TestMethod method) const
@@ -114,14 +126,32 @@ private:
         RecentMedian us_per_test;    ///< of each further test
         RecentMedian us_per_box;     ///< of each further box in one test
     };
+    /// One size of tiles.
+    struct Read {
+        int tile_px = 1;
+        double undrawn_share = 0.0; ///< of the drawing of a frame: what such tiles fail to hide
+        bool available = false;
+        double hint_us = 0.0;
+        RecentMedian us = {};
+
+        double cost_us() const { return us.empty() ? hint_us : us.value(); }
+    };
+    void take_read_hints(const DeviceCaps& caps, glm::ivec2 size_px);
+    const RecentMedian& small_round_us(TestMethod method) const
+    {
+        return method == TestMethod::pyramid ? reads_[read_].us
+                                             : methods_[index(method)].small_round_us;
+    }
     /// Frames that drew about the same number of units.
     struct Sample {
         RecentMedian units;
-        RecentMedian us;
+        RecentMedian us = {};
     };
     static size_t index(TestMethod method) { return static_cast<size_t>(method); }
 
     std::array<Method, 4> methods_{};
+    std::array<Read, 3> reads_{Read{1, 0.0}, Read{8, 0.04}, Read{16, 0.08}};
+    size_t read_ = 0; ///< the one that is used
     double triangles_per_item_ = 0.0;
     double us_per_unit_ = 0.0;
     static constexpr size_t kSizeClasses = 40;

@@ -309,18 +309,34 @@ SamplePositions CullFrame::samples() const
            rect.y + rect.height <= size_px.y;
 }
 
-bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)
+// No room was made for a target that is too large (DepthPyramid::kMaxPixels).
+static bool has_room(glm::ivec2 size, std::span<const float> out)
 {
-    OCCLUDE_ASSERT(is_inside(rect, view_.size_px()), "depth is read inside the target");
-    // No room was made for a target that is too large (DepthPyramid::kMaxPixels).
-    const bool has_room =
-        out.size() == static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height);
-    if (!has_room || !device_.read_depth(rect, out)) {
+    return out.size() == static_cast<size_t>(size.x) * static_cast<size_t>(size.y);
+}
+
+bool CullFrame::count_depth_read(bool read, size_t values)
+{
+    if (!read) {
+        depth_read_failed_ = caps().read_depth;
         return false;
     }
     ++report_.counters.depth_reads;
-    report_.counters.pixels_read += out.size();
+    report_.counters.pixels_read += values;
     return true;
+}
+
+bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)
+{
+    OCCLUDE_ASSERT(is_inside(rect, view_.size_px()), "depth is read inside the target");
+    return has_room({rect.width, rect.height}, out) &&
+           count_depth_read(device_.read_depth(rect, out), out.size());
+}
+
+bool CullFrame::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    return has_room(tiles_in(view_.size_px(), tile_px), out) &&
+           count_depth_read(device_.read_depth_tiles(tile_px, out), out.size());
 }
 
 void CullFrame::draw_translucent()

@@ -157,6 +157,10 @@ public:
     SamplePositions samples() const;
     /// Reads back depth; see QueryDevice::read_depth.
     bool read_depth(const PixelRect& rect, std::span<float> out);
+    /// The same of the farthest depths of tiles; see QueryDevice::read_depth_tiles.
+    bool read_depth_tiles(int tile_px, std::span<float> out);
+    /// True if a read-back of this frame failed.
+    bool depth_read_failed() const { return depth_read_failed_; }
 
     /// Logs a decision that draws nothing: the node was found hidden.
     void decide(NodeId node, Decision decision,
@@ -185,6 +189,7 @@ private:
     void enter_state(bool testing);
     TestMethod method_for(TestMethod asked) const;
     Answer counted(Answer answer);
+    bool count_depth_read(bool read, size_t values);
 
     const Hierarchy& hierarchy_;
     FrameRecord& record_;
@@ -197,6 +202,7 @@ private:
     DrawPass pass_ = DrawPass::shade;
     bool testing_ = false;
     bool finished_ = false;
+    bool depth_read_failed_ = false;
 };
 
 /// A visibility threshold in samples: above it, or unknown, is visible.

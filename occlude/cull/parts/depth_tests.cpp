@@ -4,8 +4,26 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 namespace occlude {
+
+// A tile is a texel of the level from which the pyramid then starts.
+bool DepthTests::read_pixels_or_tiles(CullFrame& frame)
+{
+    const glm::ivec2 size = frame.view().size_px();
+    if (tile_px_ > 1 && frame.caps().find_depth_read(tile_px_) != nullptr) {
+        const int level = std::countr_zero(static_cast<uint32_t>(tile_px_));
+        const std::span<float> tiles = pyramid_.resize(size, level);
+        const glm::ivec2 needed = tiles_in(size, tile_px_);
+        // A tile may be larger than the target, and there is no level of such texels.
+        if (tiles.size() == static_cast<size_t>(needed.x) * static_cast<size_t>(needed.y) &&
+            frame.read_depth_tiles(tile_px_, tiles)) {
+            return true;
+        }
+    }
+    return frame.read_depth({0, 0, size.x, size.y}, pyramid_.resize(size));
+}
 
 bool DepthTests::read(CullFrame& frame)
 {
@@ -15,7 +33,7 @@ bool DepthTests::read(CullFrame& frame)
         frame.counters().items_drawn == 0) {
         return false;
     }
-    known_ = frame.read_depth({0, 0, size.x, size.y}, pyramid_.resize(size));
+    known_ = read_pixels_or_tiles(frame);
     if (known_) {
         pyramid_.build();
         screen_ = ScreenSpace{frame.view(), samples_};

@@ -29,6 +29,10 @@ public:
     {
     }
 
+    /// Reads the farthest depth of tiles of this many pixels along a side from now on, where the
+    /// device has such tiles (caps.depth_reads), and single pixels elsewhere. 1: pixels.
+    void set_tile_px(int tile_px) { tile_px_ = tile_px; }
+
     /// Nothing is known of the frame that starts.
     void start_frame(SamplePositions samples)
     {
@@ -66,7 +70,10 @@ public:
     bool hides(const View& view, const ItemShapes::Placed& placed, uint32_t max_texels) const;
 
 private:
+    bool read_pixels_or_tiles(CullFrame& frame);
+
     bool refine_;
+    int tile_px_ = 1;
     DepthPyramid pyramid_;
     ScreenSpace screen_;
     SamplePositions samples_ = SamplePositions::anywhere;

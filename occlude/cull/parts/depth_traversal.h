@@ -38,6 +38,8 @@ public:
     {
     }
 
+    /// See DepthTests.
+    void set_tile_px(int tile_px) { depth_.set_tile_px(tile_px); }
     /// Holds until the next call.
     void set_budget(const DepthTestBudget& budget) { budget_ = budget; }
     /// Tests of shapes are timed by it, as long as it lives. Null: they are not.

@@ -62,4 +62,11 @@ inline RecordedCall depth_call(const PixelRect& rect)
     return call;
 }
 
+inline RecordedCall tiles_call(int tile_px)
+{
+    RecordedCall call = call_of(DeviceVerb::read_depth_tiles);
+    call.tile_px = tile_px;
+    return call;
+}
+
 } // namespace occlude::detail

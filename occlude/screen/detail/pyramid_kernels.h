@@ -65,18 +65,18 @@ inline TexelRange whole_texels(const TexelRange& pixels, int level, glm::ivec2 s
 using ReduceRows = void (*)(const float* a, const float* b, int width, float* out);
 void reduce_rows(const float* a, const float* b, int width, float* out);
 
-/// Makes all levels from level 0.
-void build_levels(std::span<const PyramidLevel> levels, float* texels, ReduceRows reduce);
-void build_levels_simd(std::span<const PyramidLevel> levels, float* texels);
+/// Makes all levels above `base` from that one.
+void build_levels(std::span<const PyramidLevel> levels, int base, float* texels, ReduceRows reduce);
+void build_levels_simd(std::span<const PyramidLevel> levels, int base, float* texels);
 
 /// True if all texels of the range, at most kSpan x kSpan of a level, are below `nearest`. Reads up
 /// to kSpan - 1 floats beyond the last texel of all, and does nothing with them.
 bool all_nearer(const PyramidLevel& level, const float* texels, const TexelRange& range,
                 float nearest);
 
-/// DepthPyramid::hides without refinement. Precondition: there are levels.
-bool coarse_hides(std::span<const PyramidLevel> levels, const float* texels, const PixelRect& rect,
-                  float nearest);
+/// DepthPyramid::hides without refinement. Precondition: there are levels, and `base` is one.
+bool coarse_hides(std::span<const PyramidLevel> levels, int base, const float* texels,
+                  const PixelRect& rect, float nearest);
 
 /// Vectors count the texels of a level in 31 bits: those of a target of at most 32768 x 32768
 /// pixels.
@@ -84,7 +84,7 @@ inline constexpr size_t kMostVectorLevels = 16;
 
 /// The same of the first `count` bounds, where they are valid: 1 or 0 in `hidden`, of which all may
 /// be written. Precondition: from one to kMostVectorLevels levels.
-void coarse_hides_simd(std::span<const PyramidLevel> levels, const float* texels,
+void coarse_hides_simd(std::span<const PyramidLevel> levels, int base, const float* texels,
                        const BoundsBlock& bounds, size_t count,
                        BoundsBlock::Field<uint8_t>& hidden);
 

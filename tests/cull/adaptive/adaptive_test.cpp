@@ -199,6 +199,74 @@ TEST(CostModel, LearnsRoundsAndTests)
     EXPECT_EQ(costs.rounds_measured(TestMethod::queries), 1u);
 }
 
+// Reads of 1280x720 whose pixels take `pixels_us`, tiles of 8 `tiles_us` and tiles of 16 half that.
+DeviceCaps caps_with_tiles(float pixels_us, float tiles_us)
+{
+    DeviceCaps caps;
+    caps.read_depth = true;
+    caps.depth_reads = {{.tile_px = 1, .us_per_read = pixels_us},
+                        {.tile_px = 8, .us_per_read = tiles_us},
+                        {.tile_px = 16, .us_per_read = 0.5f * tiles_us}};
+    return caps;
+}
+
+TEST(CostModel, ReadsTheTilesThatCostLeastWithWhatTheyFailToHide)
+{
+    CostModel costs;
+    costs.take_hints(caps_with_tiles(800.0f, 1000.0f), {1280, 720});
+    const double pixels_us = costs.round(TestMethod::pyramid).us_per_round;
+    costs.choose_tile(0.0);
+    EXPECT_EQ(costs.tile_px(), 16);
+    EXPECT_DOUBLE_EQ(costs.round(TestMethod::pyramid).us_per_round, 0.625 * pixels_us);
+    costs.choose_tile(1e6);
+    EXPECT_EQ(costs.tile_px(), 1) << "where drawing takes a second, what tiles do not hide decides";
+    EXPECT_DOUBLE_EQ(costs.round(TestMethod::pyramid).us_per_round, pixels_us);
+
+    DeviceCaps without = caps_with_tiles(800.0f, 100.0f);
+    without.depth_reads.clear();
+    costs.take_hints(without, {1280, 720});
+    costs.choose_tile(0.0);
+    EXPECT_EQ(costs.tile_px(), 1) << "the device has no tiles";
+}
+
+TEST(CostModel, MeasuresTilesThatMayCostLessAndThenGoesByThat)
+{
+    CostModel costs;
+    costs.take_hints(caps_with_tiles(800.0f, 1200.0f), {1280, 720});
+    for (const int tile_px : {1, 8, 16}) {
+        for (int i = 0; i < 3; ++i) {
+            EXPECT_EQ(costs.unmeasured_tile_px(), tile_px);
+            costs.record_read(tile_px, tile_px == 8 ? 50.0 : 300.0);
+            costs.choose_tile(0.0);
+        }
+        EXPECT_EQ(costs.tile_px(), tile_px == 1 ? 1 : 8);
+    }
+    EXPECT_EQ(costs.unmeasured_tile_px(), 0);
+    EXPECT_DOUBLE_EQ(costs.round(TestMethod::pyramid).us_per_round, 50.0);
+    costs.forget_measurements();
+    EXPECT_EQ(costs.tile_px(), 1);
+
+    costs.take_hints(caps_with_tiles(100.0f, 10000.0f), {1280, 720});
+    for (int i = 0; i < 3; ++i) {
+        costs.record_read(1, 100.0);
+    }
+    EXPECT_EQ(costs.unmeasured_tile_px(), 0) << "tiles are hopeless by their hints";
+}
+
+TEST(Adaptive, ReadsTilesWhereTheyCostLess)
+{
+    const Hierarchy tree = row_tree(2);
+    DeviceScript script;
+    script.caps = caps_with_tiles(800.0f, 80.0f);
+    script.caps.us_per_triangle = 100.0f;
+    ScriptedDevice device(script);
+    Adaptive culler{tree, {.method = AdaptiveOptions::Method::pyramid, .measure = false}};
+    culler.cull(look_ahead(), device);
+    EXPECT_NE(device.trace_text().find("read_depth_tiles 16"), std::string::npos)
+        << device.trace_text();
+    EXPECT_EQ(device.trace_text().find("read_depth "), std::string::npos);
+}
+
 TEST(ScreenCoverage, FillsTheScreenFrontToBack)
 {
     ScreenCoverage coverage;
