@@ -40,6 +40,7 @@ void write_report(const FrameReport& from, occlude_report& to)
     std::memcpy(&to, &all, std::min(to.struct_size, sizeof all));
 }
 
+static_assert(OCCLUDE_SEVERITY_ERROR == static_cast<int>(Severity::error));
 static_assert(OCCLUDE_LATENT == static_cast<int>(Guarantee::Kind::latent));
 static_assert(OCCLUDE_APPROXIMATE == static_cast<int>(Guarantee::Kind::approximate));
 
@@ -59,7 +60,7 @@ occlude_status with_device(const occlude_culler* culler, const occlude_view* vie
         if (std::string problem = CallbackDevice::check(device); !problem.empty()) {
             return fail(OCCLUDE_INVALID_ARGUMENT, std::move(problem));
         }
-        CallbackDevice callbacks{*device, *view};
+        CallbackDevice callbacks{*device, view};
         return body(*camera, callbacks);
     });
 }
@@ -84,7 +85,7 @@ occlude_status occlude_culler_create(const char* algorithm, const occlude_hierar
         if (!values) {
             return c::fail(values.error());
         }
-        SecondsClock seconds;
+        SecondsClock seconds = steady_seconds_clock();
         if (clock != nullptr) {
             seconds = [clock, clock_user] { return clock(clock_user); };
         }
@@ -148,6 +149,40 @@ void occlude_culler_reset(occlude_culler* culler)
             return OCCLUDE_OK;
         }));
     }
+}
+
+occlude_status occlude_culler_release(occlude_culler* culler, const occlude_device* device)
+{
+    return c::guarded([&] {
+        if (culler == nullptr) {
+            return c::fail(OCCLUDE_INVALID_ARGUMENT, "culler is null");
+        }
+        if (std::string problem = c::CallbackDevice::check(device); !problem.empty()) {
+            return c::fail(OCCLUDE_INVALID_ARGUMENT, std::move(problem));
+        }
+        c::CallbackDevice callbacks{*device, nullptr};
+        culler->culler->release(callbacks);
+        return OCCLUDE_OK;
+    });
+}
+
+occlude_status occlude_culler_set_message_handler(occlude_culler* culler,
+                                                  occlude_message_handler handler, void* user)
+{
+    return c::guarded([&] {
+        if (culler == nullptr) {
+            return c::fail(OCCLUDE_INVALID_ARGUMENT, "culler is null");
+        }
+        MessageHandler pass_on;
+        if (handler != nullptr) {
+            pass_on = [handler, user](const Message& message) {
+                handler(user, static_cast<uint32_t>(message.severity),
+                        std::string{message.name}.c_str(), std::string{message.text}.c_str());
+            };
+        }
+        culler->culler->set_message_handler(std::move(pass_on));
+        return OCCLUDE_OK;
+    });
 }
 
 size_t occlude_culler_drawn_items(const occlude_culler* culler, const uint32_t** items)

@@ -3,6 +3,9 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include <bit>
+#include <cstddef>
+
 namespace occlude::c {
 
 static_assert(sizeof(ItemId) == sizeof(uint32_t), "items are handed over as they are");
@@ -11,6 +14,10 @@ static_assert(OCCLUDE_PASS_SHADE_EQUAL == static_cast<int>(DrawPass::shade_equal
 static_assert(OCCLUDE_ANSWER_LOST == static_cast<int>(AnswerState::lost));
 
 namespace {
+
+// What callers of version 1 of this interface know of the structs.
+constexpr size_t kViewSizeOfVersion1 = offsetof(occlude_view, viewport_x_px);
+constexpr size_t kDeviceSizeOfVersion1 = offsetof(occlude_device, depth_reads);
 
 const uint32_t* raw(std::span<const ItemId> items)
 {
@@ -39,26 +46,50 @@ Answer final_answer(const Answer& answer)
 
 Result<View> view_from(const occlude_view* view)
 {
-    if (view == nullptr || view->struct_size < sizeof(occlude_view)) {
+    if (view == nullptr || view->struct_size < kViewSizeOfVersion1) {
         return Error{ErrorCode::invalid_argument,
                      "view is null, or its struct_size is not sizeof(occlude_view)"};
     }
-    if (view->width_px < 0 || view->height_px < 0) {
+    const occlude_view all = all_members(*view);
+    if (all.width_px < 0 || all.height_px < 0) {
         return Error{ErrorCode::invalid_argument, "the size of the view is negative"};
     }
     ClipConvention convention;
-    convention.range = view->depth_range == OCCLUDE_DEPTH_ZERO_TO_ONE
-                           ? DepthRange::zero_to_one
-                           : DepthRange::minus_one_to_one;
-    convention.order = view->depth_order == OCCLUDE_NEAR_IS_LARGE ? DepthOrder::near_is_large
-                                                                  : DepthOrder::near_is_small;
-    return View::from_clip(glm::make_mat4(view->clip_from_world), {view->width_px, view->height_px},
-                           convention);
+    convention.range = all.depth_range == OCCLUDE_DEPTH_ZERO_TO_ONE ? DepthRange::zero_to_one
+                                                                    : DepthRange::minus_one_to_one;
+    convention.order = all.depth_order == OCCLUDE_NEAR_IS_LARGE ? DepthOrder::near_is_large
+                                                                : DepthOrder::near_is_small;
+    const ViewOptions options{.viewport_origin_px = {all.viewport_x_px, all.viewport_y_px},
+                              .tag = all.tag,
+                              .ignores_near_plane = all.ignores_near_plane != 0};
+    const glm::mat4 clip = glm::make_mat4(all.clip_from_world);
+    const glm::ivec2 size{all.width_px, all.height_px};
+    return all.camera_relative != 0
+               ? View::camera_relative(clip, glm::make_vec3(all.origin), size, convention, options)
+               : View::from_clip(clip, size, convention, options);
+}
+
+static std::string check_depth_reads(const occlude_device& device)
+{
+    if (device.depth_read_count > 0 && device.depth_reads == nullptr) {
+        return "the device has a depth_read_count, but depth_reads is null";
+    }
+    for (size_t i = 0; i < device.depth_read_count; ++i) {
+        const int32_t tile_px = device.depth_reads[i].tile_px;
+        if (tile_px < 1 || !std::has_single_bit(static_cast<uint32_t>(tile_px))) {
+            return "depth_reads[" + std::to_string(i) + "].tile_px is " + std::to_string(tile_px) +
+                   ", which is no power of two";
+        }
+        if (tile_px > 1 && device.read_depth_tiles == nullptr) {
+            return "the device lists tiles in depth_reads, but has no read_depth_tiles";
+        }
+    }
+    return {};
 }
 
 std::string CallbackDevice::check(const occlude_device* device)
 {
-    if (device == nullptr || device->struct_size < sizeof(occlude_device)) {
+    if (device == nullptr || device->struct_size < kDeviceSizeOfVersion1) {
         return "device is null, or its struct_size is not sizeof(occlude_device)";
     }
     if (device->begin_frame == nullptr || device->draw == nullptr) {
@@ -76,44 +107,59 @@ std::string CallbackDevice::check(const occlude_device* device)
             return "methods[" + std::to_string(i) + "] is none of queries, raster and pyramid";
         }
     }
-    return {};
+    return check_depth_reads(all_members(*device));
 }
 
-CallbackDevice::CallbackDevice(const occlude_device& functions, const occlude_view& view)
-    : functions_(functions)
+CallbackDevice::CallbackDevice(const occlude_device& functions, const occlude_view* view)
+    : functions_(all_members(functions))
     , view_(view)
 {
     caps_.name = "callbacks";
-    caps_.same_frame_results = functions.same_frame_results != 0 && functions.query != nullptr;
-    caps_.draw_and_query = functions.draw_and_query != nullptr;
-    caps_.read_depth = functions.read_depth != nullptr;
-    caps_.samples_at_pixel_centers = functions.samples_at_pixel_centers != 0;
-    if (functions.query == nullptr) {
+    caps_.samples_at_pixel_centers = functions_.samples_at_pixel_centers != 0;
+    set_test_caps();
+    set_depth_caps();
+    if (functions_.us_per_triangle > 0.0f) {
+        caps_.us_per_triangle = functions_.us_per_triangle;
+    }
+    if (functions_.us_per_item > 0.0f) {
+        caps_.us_per_item = functions_.us_per_item;
+    }
+}
+
+void CallbackDevice::set_test_caps()
+{
+    caps_.same_frame_results = functions_.same_frame_results != 0 && functions_.query != nullptr;
+    caps_.draw_and_query = functions_.draw_and_query != nullptr;
+    if (functions_.query == nullptr) {
         caps_.max_outstanding = 0;
-    } else {
-        if (functions.max_outstanding > 0) {
-            caps_.max_outstanding = functions.max_outstanding;
-        }
-        for (const occlude_test_cost& cost : std::span{functions.methods, functions.method_count}) {
-            caps_.methods.push_back({static_cast<TestMethod>(cost.method), cost.us_per_batch,
-                                     cost.us_per_test, cost.us_per_box, cost.exact_counts != 0});
-        }
-        if (caps_.methods.empty()) {
-            caps_.methods.push_back({});
-        }
-        caps_.exact_counts = caps_.methods.front().exact_counts;
+        return;
     }
-    if (functions.us_per_triangle > 0.0f) {
-        caps_.us_per_triangle = functions.us_per_triangle;
+    if (functions_.max_outstanding > 0) {
+        caps_.max_outstanding = functions_.max_outstanding;
     }
-    if (functions.us_per_item > 0.0f) {
-        caps_.us_per_item = functions.us_per_item;
+    for (const occlude_test_cost& cost : std::span{functions_.methods, functions_.method_count}) {
+        caps_.methods.push_back({static_cast<TestMethod>(cost.method), cost.us_per_batch,
+                                 cost.us_per_test, cost.us_per_box, cost.exact_counts != 0});
+    }
+    if (caps_.methods.empty()) {
+        caps_.methods.push_back({});
+    }
+    caps_.exact_counts = caps_.methods.front().exact_counts;
+}
+
+void CallbackDevice::set_depth_caps()
+{
+    caps_.read_depth = functions_.read_depth != nullptr;
+    for (const occlude_depth_read_cost& cost :
+         std::span{functions_.depth_reads, functions_.depth_read_count}) {
+        caps_.depth_reads.push_back(
+            {cost.tile_px, cost.us_per_read, cost.us_per_pixel, cost.us_per_value});
     }
 }
 
 void CallbackDevice::begin_frame(const View&)
 {
-    functions_.begin_frame(functions_.user, &view_);
+    functions_.begin_frame(functions_.user, view_);
 }
 
 void CallbackDevice::draw(std::span<const ItemId> items, DrawPass pass)
@@ -183,6 +229,12 @@ bool CallbackDevice::read_depth(const PixelRect& rect, std::span<float> out)
     return functions_.read_depth != nullptr &&
            functions_.read_depth(functions_.user, rect.x, rect.y, rect.width, rect.height,
                                  out.data()) != 0;
+}
+
+bool CallbackDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    return functions_.read_depth_tiles != nullptr && caps_.find_depth_read(tile_px) != nullptr &&
+           functions_.read_depth_tiles(functions_.user, tile_px, out.data(), out.size()) != 0;
 }
 
 void CallbackDevice::end_frame()

@@ -1,19 +1,24 @@
 /* occlude in C: hierarchies, cullers, and devices as a table of functions. Bindings are made on
  * this.
  *
- * Ownership  What a `create` function gives must be given back to the matching `destroy` function.
+ * Ownership. What a `create` function gives must be given back to the matching `destroy` function.
  * A hierarchy must outlive its cullers. Memory that a function returns belongs to the object that
- * was asked, and stays valid until the function's comment says. Errors     A function that can fail
- * returns an occlude_status. OCCLUDE_OK is 0. The sentence behind another status is
- * occlude_last_error(), of the calling thread. No function throws, prints or ends the process. Null
- * where an object is needed is OCCLUDE_INVALID_ARGUMENT. Threads    Different cullers may run in
- * different threads on different devices, over one hierarchy that nobody changes meanwhile. One
- * culler, one device and one hierarchy under change belong to one thread at a time. Versions   Each
- * struct that the caller fills begins with struct_size = sizeof(the struct). A later version only
- * adds members at the end, so a program built against this header works with every later libocclude
- * of the same major number. Spaces     Boxes are in world space. Matrices are column-major, as in
- * OpenGL: clip = matrix * world. Pixels count from the lower left. Window depth is 0 (near) to 1
- * (far) in every convention.
+ * was asked, and stays valid until the function's comment says.
+ *
+ * Errors. A function that can fail returns an occlude_status. OCCLUDE_OK is 0. The sentence behind
+ * another status is occlude_last_error(), of the calling thread. No function throws, prints or ends
+ * the process. Null where an object is needed is OCCLUDE_INVALID_ARGUMENT.
+ *
+ * Threads. Different cullers may run in different threads on different devices, over one hierarchy
+ * that nobody changes meanwhile. One culler, one device and one hierarchy under change belong to
+ * one thread at a time.
+ *
+ * Versions. Each struct that the caller fills begins with struct_size = sizeof(the struct). A later
+ * version only adds members at the end, so a program built against this header works with every
+ * later libocclude of the same major number. Members beyond struct_size count as 0.
+ *
+ * Spaces. Boxes are in world space. Matrices are column-major, as in OpenGL: clip = matrix * world.
+ * Pixels count from the lower left. Window depth is 0 (near) to 1 (far) in every convention.
  */
 #ifndef OCCLUDE_C_OCCLUDE_H
 #define OCCLUDE_C_OCCLUDE_H
@@ -36,7 +41,7 @@ extern "C" {
 #endif
 
 /* The interface of this header: grows when members or functions are added. */
-#define OCCLUDE_C_ABI_VERSION 1u
+#define OCCLUDE_C_ABI_VERSION 2u
 
 /* ---- library ---- */
 
@@ -123,7 +128,7 @@ enum {
     OCCLUDE_NEAR_IS_LARGE = 1  /* reverse Z: tested with GREATER */
 };
 
-/* One camera in one frame: the matrix that draws, and the size of the target in pixels. */
+/* One camera in one frame: the matrix that draws, and the size of its viewport in pixels. */
 typedef struct occlude_view {
     size_t struct_size;
     float clip_from_world[16];
@@ -131,6 +136,13 @@ typedef struct occlude_view {
     int32_t height_px;
     uint32_t depth_range;
     uint32_t depth_order;
+    /* since version 2 */
+    int32_t viewport_x_px; /* the lower left pixel of the viewport in the target */
+    int32_t viewport_y_px;
+    uint64_t tag;                /* tells the host's views apart; handed to begin_frame */
+    uint32_t ignores_near_plane; /* 1: nothing is clipped there (depth clamp, shadow pancaking) */
+    uint32_t camera_relative;    /* 1: clip_from_world maps (position - origin) to clip space */
+    double origin[3];            /* the eye, or a point near it; with camera_relative */
 } occlude_view;
 
 /* ---- devices ---- */
@@ -163,6 +175,15 @@ typedef struct occlude_test_cost {
     float us_per_test;
     float us_per_box;
 } occlude_test_cost;
+
+/* A size of tiles in which the device reads depth, and a guess of what a read costs, in
+ * microseconds: the sum of the three parts. */
+typedef struct occlude_depth_read_cost {
+    int32_t tile_px; /* 1: read_depth; a power of two above 1: read_depth_tiles */
+    float us_per_read;
+    float us_per_pixel; /* of the target */
+    float us_per_value; /* that comes back */
+} occlude_depth_read_cost;
 
 /* A box to test, in the space of world_from_box, or in world space if that is null. */
 typedef struct occlude_query_box {
@@ -213,6 +234,13 @@ typedef struct occlude_device {
     /* Writes width * height window depths, row by row from the bottom, the farthest sample of each
      * pixel. 0: it could not. Optional. */
     int (*read_depth)(void* user, int32_t x, int32_t y, int32_t width, int32_t height, float* out);
+    /* since version 2 */
+    const occlude_depth_read_cost* depth_reads; /* sizes ascending; read at each call of a culler */
+    size_t depth_read_count;
+    /* Writes the farthest depth of each tile of tile_px * tile_px pixels of the whole target, row
+     * by row from the lower left: value_count of them. Tiles at the right and the upper edge are
+     * cut off by the target. 0: it could not. Optional. */
+    int (*read_depth_tiles)(void* user, int32_t tile_px, float* out, size_t value_count);
 } occlude_device;
 
 /* ---- cullers ---- */
@@ -249,7 +277,8 @@ typedef struct occlude_report {
 } occlude_report;
 
 /* A culler by name ("adaptive", "chc_plus_plus", ...), for one view of `hierarchy`. `clock` may be
- * null; "adaptive" measures by it, and goes by the device's hints without it. */
+ * null. "adaptive" measures by it; without one it measures by the steady clock of the system,
+ * unless its option "measure" is "false": then it goes by the device's hints, and runs repeat. */
 OCCLUDE_C_API occlude_status occlude_culler_create(const char* algorithm,
                                                    const occlude_hierarchy* hierarchy,
                                                    const occlude_option* options,
@@ -271,6 +300,29 @@ OCCLUDE_C_API occlude_status occlude_culler_record(occlude_culler* culler, const
 
 /* Forgets everything seen: for a camera cut, a new level, another device. */
 OCCLUDE_C_API void occlude_culler_reset(occlude_culler* culler);
+
+/* As occlude_culler_reset, and spends the tickets that the culler still owes `device`, the one of
+ * its last frames: for a culler that is destroyed before its device. Blocks until the tests are
+ * answered; comes between frames. */
+OCCLUDE_C_API occlude_status occlude_culler_release(occlude_culler* culler,
+                                                    const occlude_device* device);
+
+enum {
+    OCCLUDE_SEVERITY_NOTE = 0,    /* the image is right; something costs time */
+    OCCLUDE_SEVERITY_WARNING = 1, /* the image is right because the library gave up culling */
+    OCCLUDE_SEVERITY_ERROR = 2    /* the image may be wrong */
+};
+
+/* Hears of a fault. `name` never changes ("culler.lost_answers"), `text` is a sentence; both are
+ * valid during the call. It must not call the object that reports. */
+typedef void (*occlude_message_handler)(void* user, uint32_t severity, const char* name,
+                                        const char* text);
+
+/* Who hears, once each, of faults that the culler notices in its device and its view; null: nobody.
+ * Faults that were reported are reported again after this call. */
+OCCLUDE_C_API occlude_status occlude_culler_set_message_handler(occlude_culler* culler,
+                                                                occlude_message_handler handler,
+                                                                void* user);
 
 /* The items drawn by the last cull, in draw order, each once. Valid until the next cull. Returns
  * their number; `items` may be null. */

@@ -9,9 +9,11 @@
 #include "support/box_scene.h"
 #include "support/walks.h"
 
+#include <glm/ext/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -40,6 +42,7 @@ public:
         functions.max_outstanding = device_.caps().max_outstanding;
         functions.begin_frame = [](void* user, const occlude_view* view) {
             DeviceInC& self = of(user);
+            self.seen = *view;
             self.view_ = View::from_clip(glm::make_mat4(view->clip_from_world),
                                          {view->width_px, view->height_px});
             self.device_.begin_frame(self.view_);
@@ -68,9 +71,21 @@ public:
             const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
             return of(user).device_.read_depth(rect, {out, count}) ? 1 : 0;
         };
+        for (const DepthReadCost& cost : device_.caps().depth_reads) {
+            depth_reads_.push_back(
+                {cost.tile_px, cost.us_per_read, cost.us_per_pixel, cost.us_per_value});
+        }
+        functions.depth_reads = depth_reads_.data();
+        functions.depth_read_count = depth_reads_.size();
+        functions.read_depth_tiles = [](void* user, int32_t tile_px, float* out, size_t count) {
+            ++of(user).tile_reads;
+            return of(user).device_.read_depth_tiles(tile_px, {out, count}) ? 1 : 0;
+        };
     }
 
     occlude_device functions{};
+    occlude_view seen{}; ///< by begin_frame
+    int tile_reads = 0;
 
 private:
     static DeviceInC& of(void* user) { return *static_cast<DeviceInC*>(user); }
@@ -114,6 +129,7 @@ private:
     CpuDevice device_;
     View view_;
     std::vector<occlude_test_cost> methods_;
+    std::vector<occlude_depth_read_cost> depth_reads_;
 };
 
 occlude_view in_c(const View& view)
@@ -152,10 +168,11 @@ struct HierarchyInC {
 };
 
 struct CullerInC {
-    CullerInC(const std::string& name, const HierarchyInC& hierarchy)
+    CullerInC(const std::string& name, const HierarchyInC& hierarchy,
+              const std::vector<occlude_option>& options = {})
     {
-        EXPECT_EQ(occlude_culler_create(name.c_str(), hierarchy.tree, nullptr, 0, nullptr, nullptr,
-                                        &culler),
+        EXPECT_EQ(occlude_culler_create(name.c_str(), hierarchy.tree, options.data(),
+                                        options.size(), nullptr, nullptr, &culler),
                   OCCLUDE_OK)
             << occlude_last_error();
     }
@@ -184,7 +201,12 @@ TEST_P(SameInC, AnAlgorithmDrawsTheSameItemsWithTheSameCounters)
     ASSERT_TRUE(culler);
 
     const HierarchyInC tree_in_c{items};
-    const CullerInC culler_in_c{GetParam(), tree_in_c};
+    // Without a clock of the caller's "adaptive" takes the system's.
+    std::vector<occlude_option> options;
+    if (GetParam() == "adaptive") {
+        options.push_back({"measure", "false"});
+    }
+    const CullerInC culler_in_c{GetParam(), tree_in_c, options};
     DeviceInC device_in_c{scene};
     uint64_t in_all = 0;
     uint64_t drawn = 0;
@@ -235,6 +257,129 @@ std::vector<std::string> names_of_algorithms()
 
 INSTANTIATE_TEST_SUITE_P(Every, SameInC, testing::ValuesIn(names_of_algorithms()),
                          [](const auto& info) { return info.param; });
+
+TEST(CApi, DepthIsReadByTiles)
+{
+    const std::vector<ItemBounds> bounds = test::random_boxes(400, 3);
+    const std::vector<occlude_item> items = in_c(bounds);
+    const test::BoxCpuScene scene{bounds};
+    const HierarchyInC tree{items};
+    DeviceInC by_pixels{scene};
+    DeviceInC by_tiles{scene};
+    const CullerInC pixels{"two_phase", tree};
+    const CullerInC tiles{"two_phase", tree, {{"tile", "8"}}};
+    uint64_t values_of_pixels = 0;
+    uint64_t values_of_tiles = 0;
+    for (uint64_t frame = 0; frame < 6; ++frame) {
+        const occlude_view view = in_c(test::rough_walk(frame));
+        occlude_report report{};
+        report.struct_size = sizeof report;
+        ASSERT_EQ(occlude_culler_cull(pixels.culler, &view, &by_pixels.functions, &report),
+                  OCCLUDE_OK);
+        values_of_pixels += report.pixels_read;
+        ASSERT_EQ(occlude_culler_cull(tiles.culler, &view, &by_tiles.functions, &report),
+                  OCCLUDE_OK);
+        values_of_tiles += report.pixels_read;
+    }
+    EXPECT_EQ(by_pixels.tile_reads, 0);
+    EXPECT_GT(by_tiles.tile_reads, 0);
+    EXPECT_LT(values_of_tiles * 10, values_of_pixels);
+}
+
+TEST(CApi, AViewHasAllThatAViewHasInCpp)
+{
+    const std::vector<ItemBounds> bounds = test::random_boxes(50, 1);
+    const HierarchyInC hierarchy{in_c(bounds)};
+    const CullerInC culler{"frustum", hierarchy};
+    const test::BoxCpuScene scene{bounds};
+    DeviceInC device{scene};
+    occlude_view view = in_c(test::look_ahead());
+    view.viewport_x_px = 12;
+    view.viewport_y_px = 34;
+    view.tag = 1ull << 40;
+    ASSERT_EQ(occlude_culler_cull(culler.culler, &view, &device.functions, nullptr), OCCLUDE_OK);
+    EXPECT_EQ(device.seen.viewport_x_px, 12);
+    EXPECT_EQ(device.seen.viewport_y_px, 34);
+    EXPECT_EQ(device.seen.tag, 1ull << 40);
+    const std::vector<uint32_t> drawn = culler.drawn();
+    ASSERT_GT(drawn.size(), 0u);
+    ASSERT_LT(drawn.size(), bounds.size());
+
+    // The same camera, relative to an origin that is far from the eye.
+    const glm::vec3 origin{5.0f, -3.0f, 40.0f};
+    const glm::mat4 relative =
+        glm::make_mat4(view.clip_from_world) * glm::translate(glm::mat4{1.0f}, origin);
+    std::copy_n(glm::value_ptr(relative), 16, view.clip_from_world);
+    view.camera_relative = 1;
+    std::copy_n(glm::value_ptr(glm::dvec3{origin}), 3, view.origin);
+    ASSERT_EQ(occlude_culler_cull(culler.culler, &view, &device.functions, nullptr), OCCLUDE_OK);
+    EXPECT_EQ(culler.drawn(), drawn);
+
+    // Depth clamp: what lies between the eye and the near plane is in the frustum.
+    occlude_item before{{-0.01f, -0.01f, -0.06f}, {0.01f, 0.01f, -0.05f}, 12, 0};
+    const HierarchyInC one{{&before, 1}};
+    const CullerInC culler_of_one{"frustum", one};
+    view = in_c(test::look_ahead());
+    ASSERT_EQ(occlude_culler_cull(culler_of_one.culler, &view, &device.functions, nullptr),
+              OCCLUDE_OK);
+    EXPECT_EQ(culler_of_one.drawn().size(), 0u);
+    view.ignores_near_plane = 1;
+    ASSERT_EQ(occlude_culler_cull(culler_of_one.culler, &view, &device.functions, nullptr),
+              OCCLUDE_OK);
+    EXPECT_EQ(culler_of_one.drawn().size(), 1u);
+}
+
+TEST(CApi, CallersOfVersionOneNeedNotKnowWhatCameLater)
+{
+    const std::vector<ItemBounds> bounds = test::random_boxes(50, 1);
+    const HierarchyInC hierarchy{in_c(bounds)};
+    const CullerInC culler{"two_phase", hierarchy, {{"tile", "8"}}};
+    const test::BoxCpuScene scene{bounds};
+    DeviceInC device{scene};
+    occlude_view view = in_c(test::look_ahead());
+    view.struct_size = offsetof(occlude_view, viewport_x_px);
+    view.ignores_near_plane = 1;
+    device.functions.struct_size = offsetof(occlude_device, depth_reads);
+    ASSERT_EQ(occlude_culler_cull(culler.culler, &view, &device.functions, nullptr), OCCLUDE_OK);
+    EXPECT_EQ(device.tile_reads, 0) << "read beyond struct_size";
+    view.struct_size = 8;
+    EXPECT_EQ(occlude_culler_cull(culler.culler, &view, &device.functions, nullptr),
+              OCCLUDE_INVALID_ARGUMENT);
+}
+
+TEST(CApi, FaultsAreToldOnceByNameAndInASentence)
+{
+    const std::vector<ItemBounds> bounds = test::random_boxes(400, 3);
+    const HierarchyInC hierarchy{in_c(bounds)};
+    const CullerInC culler{"stop_and_wait", hierarchy};
+    const test::BoxCpuScene scene{bounds};
+    DeviceInC device{scene};
+    device.functions.wait = [](void*, occlude_ticket) {
+        return occlude_answer{OCCLUDE_ANSWER_LOST, 0};
+    };
+    device.functions.poll = device.functions.wait;
+    std::string heard;
+    ASSERT_EQ(occlude_culler_set_message_handler(
+                  culler.culler,
+                  [](void* user, uint32_t severity, const char* name, const char* text) {
+                      EXPECT_EQ(severity, static_cast<uint32_t>(OCCLUDE_SEVERITY_WARNING));
+                      EXPECT_GT(std::strlen(text), 20u);
+                      *static_cast<std::string*>(user) += name;
+                  },
+                  &heard),
+              OCCLUDE_OK);
+    for (uint64_t frame = 0; frame < 3; ++frame) {
+        const occlude_view view = in_c(test::rough_walk(frame));
+        ASSERT_EQ(occlude_culler_cull(culler.culler, &view, &device.functions, nullptr),
+                  OCCLUDE_OK);
+    }
+    EXPECT_EQ(heard, "culler.lost_answers");
+    EXPECT_EQ(occlude_culler_set_message_handler(culler.culler, nullptr, nullptr), OCCLUDE_OK);
+    EXPECT_EQ(occlude_culler_set_message_handler(nullptr, nullptr, nullptr),
+              OCCLUDE_INVALID_ARGUMENT);
+    EXPECT_EQ(occlude_culler_release(culler.culler, &device.functions), OCCLUDE_OK);
+    EXPECT_EQ(occlude_culler_release(culler.culler, nullptr), OCCLUDE_INVALID_ARGUMENT);
+}
 
 TEST(CApi, ListsWhatTheRegistryLists)
 {
@@ -314,6 +459,13 @@ TEST(CApi, WhatHasNoMeaningIsRefusedWithASentence)
     EXPECT_EQ(occlude_culler_cull(culler.culler, &view, &device.functions, nullptr),
               OCCLUDE_INVALID_ARGUMENT);
     EXPECT_NE(std::string{occlude_last_error()}.find("wait"), std::string::npos);
+    DeviceInC tiled{scene};
+    const occlude_depth_read_cost twelve{12, 1.0f, 0.0f, 0.0f};
+    tiled.functions.depth_reads = &twelve;
+    tiled.functions.depth_read_count = 1;
+    EXPECT_EQ(occlude_culler_cull(culler.culler, &view, &tiled.functions, nullptr),
+              OCCLUDE_INVALID_ARGUMENT);
+    EXPECT_NE(std::string{occlude_last_error()}.find("12"), std::string::npos);
     occlude_culler_destroy(nullptr);
     occlude_hierarchy_destroy(nullptr);
     occlude_culler_reset(nullptr);
@@ -366,6 +518,17 @@ TEST(CApi, StructsHaveTheLayoutOfVersionOne)
     EXPECT_EQ(offsetof(occlude_device, begin_frame), 48u);
     EXPECT_EQ(offsetof(occlude_device, read_depth), 112u);
     EXPECT_EQ(offsetof(occlude_report, cells_asked), 144u);
+}
+
+TEST(CApi, StructsHaveTheLayoutOfVersionTwo)
+{
+    EXPECT_EQ(offsetof(occlude_view, viewport_x_px), 88u);
+    EXPECT_EQ(offsetof(occlude_view, origin), 112u);
+    EXPECT_EQ(sizeof(occlude_view), 136u);
+    EXPECT_EQ(sizeof(occlude_depth_read_cost), 16u);
+    EXPECT_EQ(offsetof(occlude_device, depth_reads), 120u);
+    EXPECT_EQ(sizeof(occlude_device), 144u);
+    EXPECT_EQ(sizeof(occlude_report), 152u);
 }
 
 } // namespace

@@ -12,8 +12,9 @@ namespace occlude::c {
 
 class CallbackDevice final : public QueryDevice {
 public:
-    /// `functions` was checked by check(), and outlives the device, as does `view`.
-    CallbackDevice(const occlude_device& functions, const occlude_view& view);
+    /// `functions` was checked by check(). `view` outlives the device; null where no frame is
+    /// begun.
+    CallbackDevice(const occlude_device& functions, const occlude_view* view);
 
     /// What is missing in `device`; an empty string if nothing is.
     static std::string check(const occlude_device* device);
@@ -27,11 +28,15 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
 private:
-    const occlude_device& functions_;
-    const occlude_view& view_;
+    void set_test_caps();
+    void set_depth_caps();
+
+    occlude_device functions_;
+    const occlude_view* view_;
     DeviceCaps caps_;
     std::vector<occlude_query_box> boxes_;
     std::vector<occlude_ticket> tickets_;

@@ -8,6 +8,8 @@
 #include <occlude/core/result.h>
 #include <occlude/hierarchy/hierarchy.h>
 
+#include <algorithm>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <span>
@@ -33,6 +35,15 @@ occlude_status guarded(Body&& body) noexcept
     } catch (...) {
         return fail(OCCLUDE_DEVICE_FAILED, "a callback threw");
     }
+}
+
+/// A copy of a struct of the caller, who may know fewer members: the others are 0.
+template <class Struct>
+Struct all_members(const Struct& from)
+{
+    Struct all{};
+    std::memcpy(&all, &from, std::min(from.struct_size, sizeof all));
+    return all;
 }
 
 /// Options as the registry takes them. An error names the entry whose name or value is null.
