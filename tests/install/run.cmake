@@ -10,6 +10,32 @@ function(run)
 endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
+
+# The program comes with its scenes, its manual page and its completions.
+if(EXISTS ${WORK}/prefix/bin/occlude)
+  foreach(file occlude/assets/castle/castle.glb man/man1/occlude.1 fish/vendor_completions.d/occlude.fish
+          bash-completion/completions/occlude zsh/site-functions/_occlude)
+    if(NOT EXISTS ${WORK}/prefix/share/${file})
+      message(FATAL_ERROR "the install tree has no share/${file}")
+    endif()
+  endforeach()
+  file(READ ${WORK}/prefix/share/man/man1/occlude.1 page)
+  foreach(word bench verify algorithms "EXIT STATUS")
+    if(NOT page MATCHES "${word}")
+      message(FATAL_ERROR "the manual page does not speak of ${word}")
+    endif()
+  endforeach()
+endif()
+
+# A component alone: the C library brings its header and what finds it, and no C++.
+if(EXISTS ${WORK}/prefix/include/occlude/c/occlude.h)
+  run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/only_c --component c)
+  file(GLOB_RECURSE files RELATIVE ${WORK}/only_c ${WORK}/only_c/*)
+  list(FILTER files EXCLUDE REGEX "libocclude\\.so|occlude-c|include/occlude/c/occlude\\.h")
+  if(files OR NOT EXISTS ${WORK}/only_c/include/occlude/c/occlude.h)
+    message(FATAL_ERROR "the component c brings ${files}")
+  endif()
+endif()
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${WORK}/installed ${common}
     -DCMAKE_PREFIX_PATH=${WORK}/prefix -DOCCLUDE_COMPONENTS=${COMPONENTS})
 run(${CMAKE_COMMAND} --build ${WORK}/installed)
@@ -36,3 +62,5 @@ run(${WORK}/by_pkg_config)
 
 run(${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${WORK}/subdirectory ${common}
     -DOCCLUDE_SOURCE=${SOURCE})
+run(${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${WORK}/fetched ${common}
+    -DOCCLUDE_SOURCE=${SOURCE} -DOCCLUDE_FETCH=ON)

@@ -1,14 +1,10 @@
 #include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <occlude/core/assert.h>
+#include <occlude/hierarchy/builders/detail/parallel.h>
 #include <occlude/hierarchy/builders/detail/sah_split.h>
 #include <occlude/hierarchy/detail/huge_pages.h>
 #include <occlude/hierarchy/detail/node_sums.h>
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <array>
@@ -63,12 +59,13 @@ struct Census {
     bool flags = false; // some item has one
 };
 
-Census count(std::span<const ItemBounds> items)
+Census count(std::span<const ItemBounds> items, TaskRunner& tasks)
 {
-    return tbb::parallel_reduce(
-        tbb::blocked_range<size_t>(0, items.size(), kParallelFor), Census{},
-        [&](const tbb::blocked_range<size_t>& range, Census census) {
-            for (const ItemBounds& item : items.subspan(range.begin(), range.size())) {
+    return detail::map_and_join<Census>(
+        tasks, 0, items.size(), kParallelFor,
+        [&](size_t begin, size_t end) {
+            Census census;
+            for (const ItemBounds& item : items.subspan(begin, end - begin)) {
                 ++census.sizes[kind_of(item.box)];
                 census.flags = census.flags || item.flags != ItemFlags::none;
             }
@@ -83,18 +80,18 @@ Census count(std::span<const ItemBounds> items)
         });
 }
 
-void group(std::span<const ItemBounds> items, const Census& census, Primitives out)
+void group(std::span<const ItemBounds> items, const Census& census, Primitives out,
+           TaskRunner& tasks)
 {
     const auto primitive = [&](size_t i) {
         return Primitive::of(static_cast<uint32_t>(i), items[i].box, items[i].triangles);
     };
     if (census.sizes[0] == items.size()) {
-        tbb::parallel_for(tbb::blocked_range<size_t>(0, items.size(), kParallelFor),
-                          [&](const tbb::blocked_range<size_t>& range) {
-                              for (size_t i = range.begin(); i < range.end(); ++i) {
-                                  out[i] = primitive(i);
-                              }
-                          });
+        detail::for_ranges(tasks, 0, items.size(), kParallelFor, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i) {
+                out[i] = primitive(i);
+            }
+        });
         return;
     }
     std::array<size_t, kKinds> next{0, census.sizes[0], census.sizes[0] + census.sizes[1]};
@@ -103,13 +100,12 @@ void group(std::span<const ItemBounds> items, const Census& census, Primitives o
     }
 }
 
-Extent all_centers(Primitives primitives)
+Extent all_centers(Primitives primitives, TaskRunner& tasks)
 {
-    return tbb::parallel_reduce(
-        tbb::blocked_range<size_t>(0, primitives.size(), kParallelFor), Extent{},
-        [&](const tbb::blocked_range<size_t>& range, Extent centers) {
-            centers.add(detail::centers_of(primitives.subspan(range.begin(), range.size())));
-            return centers;
+    return detail::map_and_join<Extent>(
+        tasks, 0, primitives.size(), kParallelFor,
+        [&](size_t begin, size_t end) {
+            return detail::centers_of(primitives.subspan(begin, end - begin));
         },
         [](Extent a, const Extent& b) {
             a.add(b);
@@ -119,8 +115,10 @@ Extent all_centers(Primitives primitives)
 
 class Builder {
 public:
-    Builder(std::span<const ItemBounds> items, bool flags, const BvhOptions& options)
-        : items_(items)
+    Builder(std::span<const ItemBounds> items, bool flags, const BvhOptions& options,
+            TaskRunner& tasks)
+        : tasks_(tasks)
+        , items_(items)
         , flags_(flags)
         , max_leaf_items_(std::max(options.max_leaf_items, 1u))
         , max_leaf_triangles_(options.max_leaf_triangles)
@@ -145,17 +143,17 @@ public:
             build_small(tree.nodes, 0, from, to, first_item, centers, depth);
             return tree;
         }
-        const Parts parts = detail::part(from, to, centers, bins_, depth >= kMaxSahDepth);
+        const Parts parts = detail::part(from, to, centers, bins_, depth >= kMaxSahDepth, tasks_);
         const auto build_part = [&](size_t first, size_t count, const Extent& part_centers) {
             return std::make_unique<Subtree>(build(to.subspan(first, count),
                                                    from.subspan(first, count), first_item + first,
                                                    part_centers, depth + 1));
         };
-        tbb::parallel_invoke([&] { tree.left = build_part(0, parts.left, parts.left_centers); },
-                             [&] {
-                                 tree.right = build_part(parts.left, from.size() - parts.left,
-                                                         parts.right_centers);
-                             });
+        detail::run_both(
+            tasks_, [&] { tree.left = build_part(0, parts.left, parts.left_centers); },
+            [&] {
+                tree.right = build_part(parts.left, from.size() - parts.left, parts.right_centers);
+            });
         return tree;
     }
 
@@ -234,7 +232,7 @@ private:
             make_leaf(nodes[node], from, first_item);
             return;
         }
-        const Parts parts = detail::part(from, to, centers, bins_, depth >= kMaxSahDepth);
+        const Parts parts = detail::part(from, to, centers, bins_, depth >= kMaxSahDepth, tasks_);
         const size_t child = nodes.size();
         nodes.resize(child + 2);
         nodes[node].first_item = static_cast<uint32_t>(first_item);
@@ -272,6 +270,7 @@ private:
         return triangles <= max_leaf_triangles_;
     }
 
+    TaskRunner& tasks_;
     std::span<const ItemBounds> items_;
     bool flags_;
     uint32_t max_leaf_items_;
@@ -296,20 +295,21 @@ Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options
     if (items.empty()) {
         return Hierarchy::from_arrays({}, {}, {});
     }
-    const Census census = count(items);
+    TaskRunner& tasks = options.tasks != nullptr ? *options.tasks : default_task_runner();
+    const Census census = count(items, tasks);
     Buffer primitives(items.size());
     Buffer scratch(items.size());
-    group(items, census, primitives.all);
+    group(items, census, primitives.all, tasks);
 
     // One kind of boxes: the root is theirs. Otherwise each kind gets a child of the root.
     const auto kinds = static_cast<size_t>(
         std::count_if(census.sizes.begin(), census.sizes.end(), [](size_t n) { return n > 0; }));
-    Builder builder(items, census.flags, options);
+    Builder builder(items, census.flags, options, tasks);
     const Primitives bounded = primitives.all.first(census.sizes[0]);
     Subtree tree;
     if (!bounded.empty()) {
-        tree =
-            builder.build(bounded, scratch.all.first(bounded.size()), 0, all_centers(bounded), 0);
+        tree = builder.build(bounded, scratch.all.first(bounded.size()), 0,
+                             all_centers(bounded, tasks), 0);
     }
 
     std::vector<Node> nodes;

@@ -2,13 +2,14 @@
 //
 // Implements  I. Wald, "On fast construction of SAH-based bounding volume hierarchies", IEEE
 //             Symposium on Interactive Ray Tracing 2007.
-// Deviations  Subtrees are built in parallel (oneTBB); the tree does not depend on the number of
-//             threads. The cost of a leaf counts triangles, not items: an occlusion test pays for a
-//             whole item, however many triangles it has.
+// Deviations  Subtrees are built side by side (task_runner.h); the tree does not depend on the
+//             number of threads. The cost of a leaf counts triangles, not items: an occlusion test
+//             pays for a whole item, however many triangles it has.
 // Guarantees  Deterministic: the same boxes give the same tree on every compiler and thread count.
 // Cost        O(n log n); 1,000,000 boxes in under a second on two cores.
 #pragma once
 
+#include <occlude/hierarchy/builders/task_runner.h>
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <span>
@@ -25,6 +26,9 @@ struct BvhOptions {
     uint32_t leaf_triangles = 1024;
     /// Candidate planes per axis, plus one: 2 to 32.
     uint32_t bins = 16;
+    /// Who builds subtrees side by side; must live until build_bvh() returns. Null:
+    /// default_task_runner().
+    TaskRunner* tasks = nullptr;
 };
 
 /// A BVH over items 0 .. items.size()-1; no items give an empty hierarchy. Each inner node has two

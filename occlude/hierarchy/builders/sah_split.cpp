@@ -1,7 +1,6 @@
 #include <occlude/hierarchy/builders/detail/sah_split.h>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
+#include <occlude/hierarchy/builders/detail/parallel.h>
 
 #include <algorithm>
 #include <cmath>
@@ -107,31 +106,30 @@ struct Border {
 };
 
 template <size_t capacity>
-Bins<capacity> fill_bins(std::span<const Primitive> primitives, const Binning& binning)
+Bins<capacity> fill_bins(std::span<const Primitive> primitives, const Binning& binning,
+                         TaskRunner& tasks)
 {
     using Filled = Bins<capacity>;
-    if (primitives.size() < kParallelBinning) {
+    const auto fill = [&](size_t begin, size_t end) {
         Filled bins;
-        bins.add(primitives, binning);
+        bins.add(primitives.subspan(begin, end - begin), binning);
         return bins;
+    };
+    if (primitives.size() < kParallelBinning) {
+        return fill(0, primitives.size());
     }
-    return tbb::parallel_reduce(
-        tbb::blocked_range<size_t>(0, primitives.size(), kParallelBinning / 4), Filled{},
-        [&](const tbb::blocked_range<size_t>& range, Filled bins) {
-            bins.add(primitives.subspan(range.begin(), range.size()), binning);
-            return bins;
-        },
-        [](Filled a, const Filled& b) {
-            a.add(b);
-            return a;
-        });
+    return map_and_join<Filled>(tasks, 0, primitives.size(), kParallelBinning / 4, fill,
+                                [](Filled a, const Filled& b) {
+                                    a.add(b);
+                                    return a;
+                                });
 }
 
 // The border between bins with the least area * triangles on both sides.
 template <size_t capacity>
-Border best_border(std::span<const Primitive> primitives, const Binning& binning)
+Border best_border(std::span<const Primitive> primitives, const Binning& binning, TaskRunner& tasks)
 {
-    const auto all = fill_bins<capacity>(primitives, binning);
+    const auto all = fill_bins<capacity>(primitives, binning, tasks);
     const auto count = static_cast<size_t>(binning.count);
     Bin whole;
     for (size_t i = 0; i < count; ++i) {
@@ -234,16 +232,16 @@ Extent centers_of(std::span<const Primitive> primitives)
 }
 
 Parts part(std::span<Primitive> from, std::span<Primitive> to, const Extent& centers, uint32_t bins,
-           bool halve)
+           bool halve, TaskRunner& tasks)
 {
     if (!halve && from.size() > 2) {
         // More bins than items find nothing more.
         const auto few = static_cast<uint32_t>(std::min<size_t>(from.size(), bins));
         const Binning binning(centers, few);
-        const Border best = few <= 4    ? best_border<4>(from, binning)
-                            : few <= 8  ? best_border<8>(from, binning)
-                            : few <= 16 ? best_border<16>(from, binning)
-                                        : best_border<kMaxBins>(from, binning);
+        const Border best = few <= 4    ? best_border<4>(from, binning, tasks)
+                            : few <= 8  ? best_border<8>(from, binning, tasks)
+                            : few <= 16 ? best_border<16>(from, binning, tasks)
+                                        : best_border<kMaxBins>(from, binning, tasks);
         if (best.axis >= 0) {
             return best.axis == 0   ? distribute<0>(from, to, binning, best)
                    : best.axis == 1 ? distribute<1>(from, to, binning, best)

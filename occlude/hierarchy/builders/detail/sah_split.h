@@ -6,6 +6,7 @@
 #pragma once
 
 #include <occlude/core/detail/float4.h>
+#include <occlude/hierarchy/builders/task_runner.h>
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <array>
@@ -75,9 +76,9 @@ struct Parts {
 /// scratch afterwards. `centers` is centers_of(from). Of `bins` (at most kMaxBins) on each axis it
 /// takes the border with the least area * triangles on both sides; an item without triangles counts
 /// as one. Where all centres coincide, or `halve` is set, it takes the median of the widest axis.
-/// Large inputs are binned by several threads.
+/// Large inputs are binned side by side by `tasks`.
 inline constexpr uint32_t kMaxBins = 32;
 Parts part(std::span<Primitive> from, std::span<Primitive> to, const Extent& centers, uint32_t bins,
-           bool halve);
+           bool halve, TaskRunner& tasks);
 
 } // namespace occlude::detail
