@@ -157,40 +157,6 @@ TEST(LazyGrid, JoinedReadBacksTakeRowsOfCellsAndCountBoth)
     EXPECT_EQ(target.counters.cells_asked, 8u);
 }
 
-TEST(LazyGrid, TilesAreReadOfTheWholeTargetWhereTheDeviceHasThem)
-{
-    const Hierarchy tree = row_tree(2);
-    const auto frame_text = [&](uint32_t tile, float depth) {
-        ScriptedDevice device;
-        device.script() = item_0_covers(device, kAll);
-        device.script().caps.depth_reads = {{.tile_px = 1}, {.tile_px = 8}};
-        device.script().depth_tiles = [&](int, std::span<float> out) {
-            std::fill(out.begin(), out.end(), depth);
-            return true;
-        };
-        LazyGrid culler{tree, {.join = Join::target, .tests_at_once = 1, .tile = tile}};
-        culler.cull(look_ahead(), device);
-        return device.frame_text(0);
-    };
-    EXPECT_EQ(frame_text(8, kBackOfItem0), "draw 0\nread_depth_tiles 8\n");
-    EXPECT_EQ(frame_text(16, 1.0f), "draw 0\nread_depth 0 0 64x64\n") << "it has no such tiles";
-    EXPECT_EQ(frame_text(8, 1.0f), "draw 0\nread_depth_tiles 8\ndraw 1\nflush\nread_depth_tiles 8\n"
-                                   "draw 2\nflush\nread_depth_tiles 8\ndraw 3\n")
-        << "drawing makes tiles outdated";
-}
-
-TEST(LazyGrid, TilesThatCannotBeReadHideNothing)
-{
-    const Hierarchy tree = row_tree(2);
-    ScriptedDevice device;
-    device.script().caps.read_depth = true;
-    device.script().caps.depth_reads = {{.tile_px = 8}};
-    device.script().depth_tiles = [](int, std::span<float>) { return false; };
-    LazyGrid culler{tree, {.tile = 8}};
-    culler.cull(look_ahead(), device);
-    EXPECT_EQ(culler.drawn_items().size(), 4u);
-}
-
 TEST(LazyGrid, DrawingMakesCopiedRowsOutdated)
 {
     // Nothing hides anything: each drawn item makes the next test read again.

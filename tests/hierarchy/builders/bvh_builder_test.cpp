@@ -6,11 +6,9 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cfloat>
 #include <cmath>
 #include <set>
-#include <thread>
 
 namespace occlude {
 namespace {
@@ -155,32 +153,6 @@ Hierarchy build_with_threads(size_t threads, std::span<const ItemBounds> items,
 {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return build_bvh(items, options);
-}
-
-/// A host's own job system: a thread for each second task.
-class ThreadPerTask final : public TaskRunner {
-public:
-    void run_both(Task first, Task second) override
-    {
-        ++forks;
-        std::thread other([second] { second.run(second.data); });
-        first.run(first.data);
-        other.join();
-    }
-
-    std::atomic<int> forks = 0;
-};
-
-TEST(BvhBuilder, TreeDoesNotDependOnWhoRunsItsTasks)
-{
-    const std::vector<ItemBounds> items = random_items(90000, 5);
-    const Hierarchy expected = build_bvh(items);
-    ThreadPerTask threads;
-    for (TaskRunner* tasks : {&serial_task_runner(), static_cast<TaskRunner*>(&threads)}) {
-        const Hierarchy tree = build_bvh(items, {.tasks = tasks});
-        EXPECT_TRUE(test::same_tree(tree, expected));
-    }
-    EXPECT_GT(threads.forks, 20) << "the host's threads were hardly used";
 }
 
 TEST(BvhBuilder, TreeDoesNotDependOnTheNumberOfThreads)
