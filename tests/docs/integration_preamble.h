@@ -1,5 +1,6 @@
 // What the snippets of docs/integration.md take for granted: some engine.
 #include <occlude/backends/gl/gl_device.h>
+#include <occlude/cull/adaptive.h>
 #include <occlude/cull/chc_plus_plus.h>
 #include <occlude/cull/stop_and_wait.h>
 #include <occlude/device/handed_depth_device.h>
@@ -24,6 +25,8 @@ struct Draw {
 struct MyEngine {
     std::span<const Draw> draws() const;
     void submit(std::span<const occlude::ItemId> items);
+    void bind_target_and_clear();
+    void set_draw_state();
 };
 
 void log(std::string_view what, std::string_view text);
