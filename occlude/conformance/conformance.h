@@ -21,7 +21,7 @@
 //   C9   wait never answers pending
 //   C11  a test beyond max_outstanding is lost, and the device recovers
 //   C12  tickets outlive their frame and keep the answer of the frame that asked
-//   passes, draw_and_query, read_depth: as their own comments say
+//   passes, draw_and_query, read_depth, read_depth_tiles: as their own comments say
 // C1, C5 and C10 bind the caller: ValidatingDevice checks them. That poll never blocks cannot be
 // seen from outside.
 #pragma once

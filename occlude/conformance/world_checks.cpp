@@ -1,8 +1,9 @@
-// C3 and read_depth over random worlds, against rays.
+// C3, read_depth and read_depth_tiles over random worlds, against rays.
 #include <occlude/conformance/detail/checker.h>
 #include <occlude/conformance/detail/ray_world.h>
 
 #include <occlude/core/rng.h>
+#include <occlude/screen/depth_tiles.h>
 
 #include <glm/geometric.hpp>
 
@@ -48,6 +49,36 @@ View random_view(Checker& checker, Rng& rng)
     return checker.view(eye, glm::normalize(target - eye));
 }
 
+// Tiles against the pixels that were read: never nearer than one of theirs, and no farther than a
+// step of a coarse depth buffer.
+void check_tiles(Checker& checker, const std::vector<float>& depth, glm::ivec2 size,
+                 const std::string& world)
+{
+    for (const DepthReadCost& cost : checker.device().caps().depth_reads) {
+        if (cost.tile_px <= 1) {
+            continue;
+        }
+        const glm::ivec2 count = tiles_in(size, cost.tile_px);
+        std::vector<float> tiles(static_cast<size_t>(count.x) * static_cast<size_t>(count.y));
+        std::vector<float> farthest(tiles.size());
+        farthest_of_tiles(depth, size, cost.tile_px, farthest);
+        const std::string where = world + ": tiles of " + std::to_string(cost.tile_px) + " pixels";
+        if (!checker.device().read_depth_tiles(cost.tile_px, tiles)) {
+            checker.check("read_depth_tiles", checker.options().may_lose_answers,
+                          where + ": caps list them, and reading them failed");
+            continue;
+        }
+        for (size_t i = 0; i < tiles.size(); ++i) {
+            const auto tile = double{tiles[i]};
+            const auto pixels = double{farthest[i]};
+            checker.check("read_depth_tiles", tile >= pixels && tile <= pixels + kDepthSlop,
+                          where + ": tile " + std::to_string(i) + " has depth " +
+                              std::to_string(tile) + ", the farthest of its pixels " +
+                              std::to_string(pixels));
+        }
+    }
+}
+
 void check_depth(Checker& checker, const RayCamera& camera, std::span<const Aabb> boxes,
                  std::span<const size_t> drawn, const std::string& world)
 {
@@ -63,6 +94,7 @@ void check_depth(Checker& checker, const RayCamera& camera, std::span<const Aabb
         checker.check("useful", checker.options().may_lose_answers, world + ": read_depth failed");
         return;
     }
+    check_tiles(checker, depth, size, world);
     for (int y = 0; y < size.y; ++y) {
         for (int x = 0; x < size.x; ++x) {
             double nearest = 1.0;

@@ -44,6 +44,17 @@ void expect_named(std::string_view rule, const conformance::Options& options = {
         << to_string(report);
 }
 
+// Reduces to the nearest depth of a tile, as a bound for occluders would.
+class NearestTiles final : public Forwarding {
+public:
+    using Forwarding::Forwarding;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override
+    {
+        std::fill(out.begin(), out.end(), 0.0f);
+        return tile_px > 0;
+    }
+};
+
 // Draws everything at the end of the frame, as a renderer that sorts across tests would.
 class DrawsLate final : public Forwarding {
 public:
@@ -64,6 +75,11 @@ public:
 private:
     std::vector<std::pair<std::vector<ItemId>, DrawPass>> late_;
 };
+
+TEST(BrokenDevices, TilesThatAreNearerThanTheirPixelsAreNamed)
+{
+    expect_named<NearestTiles>("read_depth_tiles");
+}
 
 TEST(BrokenDevices, ATestThatMissesTheDrawsBeforeItIsUseless)
 {
