@@ -35,8 +35,8 @@ bool MethodTrials::read_is_due(const CullFrame& frame) const
 {
     return shared_.meter.may_try() && !shared_.planner.reads_are_expensive(shared_.costs()) &&
            frame.counters().items_drawn > 0 && frame.view().size_px().x > 0 &&
-           frame.view().size_px().y > 0 &&
-           shared_.costs().least_known(TestMethod::pyramid).tests > 0;
+           frame.view().size_px().y > 0 && shared_.costs().has(TestMethod::pyramid) &&
+           shared_.costs().unmeasured_tile_px() > 0;
 }
 
 bool MethodTrials::read_and_measure(CullFrame& frame)

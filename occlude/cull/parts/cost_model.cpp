@@ -204,13 +204,14 @@ RoundCost CostModel::round(TestMethod which) const
 CostModel::RoundSize CostModel::least_known(TestMethod which) const
 {
     const Method& method = methods_[index(which)];
-    const size_t rounds = small_round_us(which).count();
     if (!method.available) {
         return {};
     }
     if (which == TestMethod::pyramid) {
-        return unmeasured_tile_px() > 0 ? RoundSize{1, 1} : RoundSize{};
+        // Of pixels: that there may be cheaper tiles leaves no decision open.
+        return reads_[0].us.count() < kMeasuredRounds ? RoundSize{1, 1} : RoundSize{};
     }
+    const size_t rounds = method.small_round_us.count();
     if (method.us_per_test.count() < rounds) {
         return {kLargeRoundBoxes, kLargeRoundBoxes};
     }
