@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """Measures what the documentation states, and writes the pages that state it.
 
-usage: measure.py run [NAME...] [--program build/bin/occlude] [--microbench build-bench/bin/occlude_benchmarks]
-                      [--tests build/bin/test_cull] [--machine NAME]
+usage: measure.py run [NAME...] [--program build/bin/occlude] [--tests build/bin/test_cull] [--machine NAME]
        measure.py pages [--machine NAME]
        measure.py check [--machine NAME]
 
@@ -22,7 +21,6 @@ import os
 import platform
 import re
 import shlex
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -106,7 +104,6 @@ def run_command(command, programs):
         out = Path(folder) / "out.json"
         json_words = {
             "occlude": ["--json", str(out)],
-            "microbench": [f"--benchmark_out={out}"],
             "test_cull": [f"--gtest_output=json:{out}"],
         }
         done = subprocess.run([programs[kind], *words[1:], *json_words[kind]], cwd=ROOT, check=False)
@@ -231,48 +228,9 @@ def as_shown(text):
         return text
 
 
-def table_of_microbench(entry, kept):
-    """One row for each benchmark of all commands, or for each repetition's median where there are some."""
-    columns = entry["columns"]
-    lines = [[entry.get("row_title", "benchmark")] + [column["title"] for column in columns]]
-    for measured in kept["rows"]:
-        benchmarks = measured["document"]["benchmarks"]
-        medians = [run for run in benchmarks if run.get("aggregate_name") == "median"]
-        for run in medians or benchmarks:
-            name = run.get("run_name", run["name"]).removesuffix("/manual_time").removesuffix("/real_time")
-            cells = [f"`{name}`"]
-            for column in columns:
-                value = run.get(column["value"])
-                cells.append(shown(value * column.get("times", 1) if value is not None else None))
-            lines.append(cells)
-    return lines
-
-
-def table_of_trees(entry, kept):
-    """How much longer an algorithm takes on a tree than on the best one: geometric means over scenes."""
-    algorithms = [column["run"] for column in entry["columns"]]
-    ratios = {}
-    for measured in kept["rows"]:
-        for part in documents_of(measured["document"]):
-            medians = {}
-            for run in part["runs"]:
-                medians.setdefault(run["algorithm"], {})[run["hierarchy"]] = run["frame_ms"]["median"]
-            for algorithm in algorithms:
-                best = min(medians[algorithm].values())
-                for tree, median in medians[algorithm].items():
-                    ratios.setdefault(tree, {}).setdefault(algorithm, []).append(median / best)
-    lines = [["tree"] + [column["title"] for column in entry["columns"]]]
-    for tree, of_algorithm in ratios.items():
-        means = [statistics.geometric_mean(of_algorithm[algorithm]) for algorithm in algorithms]
-        lines.append([f"`{tree}`"] + [f"{mean:.2f}" for mean in means])
-    return lines
-
-
 TABLES = {
     "runs": table_of_runs,
     "rows": table_of_rows,
-    "trees": table_of_trees,
-    "microbench": table_of_microbench,
     "tests": table_of_tests,
 }
 
@@ -329,13 +287,14 @@ def page_texts(root, measurements, folder):
             pages.setdefault(entry["page"], []).append(section(entry, kept[entry["name"]]))
     texts = {}
     for page, sections in pages.items():
-        title = page.replace("_", " ").capitalize()
+        manual = root / "docs" / "algorithms" / f"{page}.md"
+        title = page if manual.exists() else page.replace("_", " ")
         head = (
             f"# Measured: {title}\n\n"
-            "Written by `scripts/measure.py pages` from `benchmarks/results/`; not by hand. "
+            "`scripts/measure.py pages` writes this page from `benchmarks/results/`. "
             "`scripts/measure.py run` measures again.\n\n"
         )
-        if (root / "docs" / "algorithms" / f"{page}.md").exists():
+        if manual.exists():
             head += f"[The manual page](../algorithms/{page}.md) explains the options.\n\n"
         texts[root / "docs" / "measurements" / f"{page}.md"] = head + "\n".join(sections)
     by_name = {entry["name"]: entry for entry in measurements}
@@ -366,7 +325,6 @@ def main(arguments):
     parser.add_argument("verb", choices=("run", "pages", "check"))
     parser.add_argument("names", nargs="*")
     parser.add_argument("--program", default="build/bin/occlude")
-    parser.add_argument("--microbench", default="build-bench/bin/occlude_benchmarks")
     parser.add_argument("--tests", default="build/bin/test_cull")
     parser.add_argument("--machine")
     options = parser.parse_args(arguments)
@@ -379,7 +337,6 @@ def main(arguments):
     if options.verb == "run":
         programs = {
             "occlude": str(ROOT / options.program),
-            "microbench": str(ROOT / options.microbench),
             "test_cull": str(ROOT / options.tests),
         }
         for entry in measurements:

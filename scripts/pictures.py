@@ -22,11 +22,11 @@ MOST_ANIMATION_BYTES = 1_500_000
 # Views of the generated scenes, each alone and with what is hidden: the scene, and its options.
 SCENES = {
     "boxcity": ("boxcity", ["--path", "street", "--path-frames", "100", "--frame", "10"]),
-    "teapots": ("teapots:count=1500", ["--path", "flight", "--path-frames", "100", "--frame", "40"]),
-    "library": ("library:books=10000", ["--path-frames", "100", "--frame", "60"]),
-    "plant": ("plant", ["--path-frames", "100", "--frame", "85"]),
-    "bunnies": ("bunnies:count=300,triangles=10k", ["--path-frames", "100", "--frame", "20"]),
-    "forest": ("forest", ["--path-frames", "100", "--frame", "30"]),
+    "teapots": ("teapots:count=1000", ["--path", "flight", "--path-frames", "100", "--frame", "40"]),
+    "library": ("library:books=5000", ["--path-frames", "100", "--frame", "60"]),
+    "plant": ("plant:triangles=1200k", ["--path-frames", "100", "--frame", "85"]),
+    "bunnies": ("bunnies:count=100,triangles=10k", ["--path-frames", "100", "--frame", "20"]),
+    "forest": ("forest:triangles=600k,trees=3500", ["--path-frames", "100", "--frame", "30"]),
     "vienna": ("vienna:triangles=1m,blocks=8", ["--path", "street", "--path-frames", "100", "--frame", "20"]),
     "vienna_rise": ("vienna:triangles=1m,blocks=8", ["--path", "rise", "--path-frames", "100", "--frame", "70"]),
     "city": ("city:triangles=1m,blocks=6", ["--path", "street", "--path-frames", "100", "--frame", "20"]),
@@ -35,6 +35,7 @@ SCENES = {
 }
 
 STREET = ["--path", "street", "--path-frames", "60", "--frame", "24"]
+HEAP = ["teapots:count=200,triangles=2304", "--path", "flight", "--path-frames", "60", "--frame", "20"]
 CASTLE = ["--path", "walk", "--path-frames", "60", "--frame", "20"]
 ABOVE = ["--camera", "overview", "--show", "states", "--size", "960x600"]
 SMALL = ["--size", "640x400"]
@@ -46,10 +47,8 @@ RENDERED = {
     "lazy_grid_states": ["city:triangles=1m", *STREET, *ABOVE, "--algorithm", "lazy_grid"],
     "adaptive_states": ["city:triangles=1m", *STREET, *ABOVE, "--algorithm", "adaptive"],
     # docs/troubleshooting.md
-    "trouble_late": ["city:triangles=1m", "--path", "teleport", "--path-frames", "60", "--frame", "31", *SMALL,
-                     "--algorithm", "next_frame"],
-    "trouble_exact": ["city:triangles=1m", "--path", "teleport", "--path-frames", "60", "--frame", "31", *SMALL,
-                      "--algorithm", "adaptive"],
+    "trouble_exact": [*HEAP, *SMALL, "--algorithm", "adaptive"],
+    "trouble_missing": [*HEAP, *SMALL, "--algorithm", "prioritized", "--set", "prioritized.budget_triangles=60000"],
     "trouble_one_mesh": ["assets/castle/castle.glb", *CASTLE, *ABOVE, "--algorithm", "adaptive", "--set",
                          "adaptive.method=draw_all"],
     "trouble_boxes": ["rings:count=200", "--path-frames", "100", "--frame", "40", *SMALL, "--show", "boxes"],
@@ -71,20 +70,18 @@ wait 60
 screenshot {folder}/viewer_split.png
 click "split"
 wait 5
+key P
+wait 24
+key P
+wait 20
 key F
 click "overview"
 wait 3
-key V
-key V
 click "tested boxes"
 wait 30
 screenshot {folder}/viewer_frozen.png
 click "tested boxes"
-key ctrl+F
-wait 3
-type smlGate6
-wait 3
-click "find"
+click 565 205
 wait 10
 click "what hides it?"
 wait 10

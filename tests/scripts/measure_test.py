@@ -103,13 +103,6 @@ class Measure(unittest.TestCase):
             found = measure.pages_of_nothing(Path(folder), [ENTRY])
             self.assertEqual([path.stem for path in found], ["by_hand"])
 
-    def test_a_table_of_trees_compares_with_the_best_tree(self):
-        runs = [run("chc", 10.0, 1, "bvh"), run("chc", 20.0, 1, "bsp")]
-        entry = {**ENTRY, "table": "trees", "columns": [{"title": "chc", "run": "chc"}]}
-        text = measure.table(entry, kept(runs))
-        self.assertIn("| `bvh` | 1.00 |", text)
-        self.assertIn("| `bsp` | 2.00 |", text)
-
     def test_a_block_can_show_some_rows(self):
         self.assertNotIn("frustum", measure.table(ENTRY, RESULT, ["chc"]))
         with self.assertRaises(measure.Problem):

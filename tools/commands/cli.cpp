@@ -32,7 +32,7 @@ static std::optional<std::string> problem_of_command(int argc, const char* const
 static int run_command(int argc, const char* const* argv, const Streams& streams)
 {
     try {
-        CommandLine line{"occlude: what a renderer need not draw, and the proof of it",
+        CommandLine line{"occlude: measure and check occlusion culling on your scenes",
                          std::string{"occlude "} + OCCLUDE_VERSION};
         add_compare_commands(line);
         add_scene_commands(line);

@@ -177,14 +177,14 @@ void add_verify(CommandLine& line)
     };
     Command& verify = line.add(
         "verify",
-        "Compare every culled frame with the frustum-only image; exit code 1 if an exact "
-        "algorithm differs, 3 if nothing was in view or nothing hidden. Walks the paths auto and "
-        "teleport unless --path names one",
+        "Compare every culled frame with the frustum-only image, on the paths auto and teleport "
+        "unless --path names one. Exit code 1: an exact algorithm differs; 3: nothing was in view, "
+        "or nothing was hidden",
         run);
     add_compare_arguments(verify, *arguments, true);
     verify.add({.name = "--nothing-hidden-is-fine",
                 .target = &arguments->compare.nothing_hidden_is_fine,
-                .help = "Exit with 0 though nothing is hidden in any frame"});
+                .help = "Exit with 0 even if nothing is hidden in any frame"});
 }
 
 } // namespace

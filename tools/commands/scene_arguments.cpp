@@ -93,7 +93,7 @@ void add_view(CommandLine& line)
                   .type = "SCENE"},
                  {.name = "--algorithm",
                   .target = &view.algorithm,
-                  .help = "The algorithm that culls at first (default: that of the last time)"}});
+                  .help = "The algorithm that culls at first (default: the one used last)"}});
     add_stage_arguments(command, arguments->raw, false);
     command.add({path_frames(arguments->raw.stage),
                  {.name = "--scale",
