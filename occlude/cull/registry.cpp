@@ -113,7 +113,7 @@ std::vector<AlgorithmInfo> make_table()
         "stop_and_wait", "baseline", "tests each node and waits for the answer", tests));
     table.push_back(describe<Chc, ChcOptions>(
         "chc", "Bittner, Wimmer, Piringer, Purgathofer 2004",
-        "coherent hierarchical culling: visible leaves are drawn at once, tested meanwhile",
+        "coherent hierarchical culling: draws visible leaves at once and tests them meanwhile",
         tests));
     table.push_back(describe<ChcPlusPlus, ChcPlusPlusOptions>(
         "chc_plus_plus", "Mattausch, Bittner, Wimmer 2008",
@@ -124,10 +124,11 @@ std::vector<AlgorithmInfo> make_table()
         Needs{.depth_read = true}));
     table.push_back(describe<Statistical, StatisticalOptions>(
         "statistical", "Kovalcik, Sochor 2005",
-        "what was visible lately is drawn untested, the longer the more often it was", tests));
+        "draws recently visible nodes untested, for longer the more often they were visible",
+        tests));
     table.push_back(describe<LazyGrid, LazyGridOptions>(
         "lazy_grid", "Hey, Tobler, Purgathofer 2001",
-        "boxes against the farthest depth of screen cells, updated when asked",
+        "compares boxes with the farthest depth of screen cells, which it updates on demand",
         {.depth_read = true}));
     table.push_back(describe<UniformGrid, UniformGridOptions>(
         "uniform_grid", "Hillesland, Salomon, Lastra, Manocha 2002",
@@ -135,26 +136,24 @@ std::vector<AlgorithmInfo> make_table()
         Tree::no_use_of));
     table.push_back(describe<Prioritized, PrioritizedOptions>(
         "prioritized", "Klosowski, Silva 2000; Correa, Klosowski, Silva 2003",
-        "draws the cells with least matter before them until a budget is spent", tests,
+        "draws first what is least likely hidden, until a budget is spent", tests,
         Tree::no_use_of));
     table.back().exact = PrioritizedOptions{}.finish;
     table.push_back(describe<TwoLevel, TwoLevelCullOptions>(
         "two_level", "Kovalcik, Tobola (two-level BSP)",
-        "for moving objects: boxes apart on the screen are tested in parallel, visible ones rarely",
+        "for moving objects: tests boxes apart on the screen together, and visible ones rarely",
         tests));
     table.push_back(describe<BatchAndWait, BatchAndWaitOptions>(
         "batch_and_wait", "Sekulic 2004, 29.3",
-        "tests objects near to far, n queries and then n results", tests, Tree::leaves));
+        "tests objects near to far: issues n queries, then reads n results", tests, Tree::leaves));
     table.push_back(describe<NextFrame, NextFrameOptions>(
         "next_frame", "Sekulic 2004, 29.4",
-        "draws objects by the answers of the last frame: never stalls, pops for a frame", tests,
+        "draws objects by the answers of the last frame: never waits, is late by a frame", tests,
         Tree::leaves));
     table.back().exact = false;
     table.push_back(describe<Adaptive, AdaptiveOptions>(
         "adaptive", "Guthe, Balazs, Klein 2006, with measured costs",
-        "measures what drawing and testing cost, and tests only what pays: never slower than "
-        "frustum",
-        {}));
+        "measures what drawing and testing cost, and tests only what pays; else as frustum", {}));
     table.push_back(describe<Opt>("opt", "comparison",
                                   "draws the leaves that an exact pass found visible", answer));
     table.push_back(describe<Ideal>("ideal", "comparison", "draws the items that own a pixel",
