@@ -11,6 +11,7 @@
 #include "generate/scene_source.h"
 #include "generate/teapots_generator.h"
 #include "generate/vienna_generator.h"
+#include "load/load_progress.h"
 #include "load/scene_loader.h"
 #include "model/exact_split.h"
 #include "model/mesh_tools.h"
@@ -309,8 +310,11 @@ Result<SceneModel> load_scene(const std::string& source, const SceneOptions& opt
         split_exactly(*model, options);
     }
     if (model) {
-        oneapi::tbb::parallel_for(size_t{0}, model->meshes.size(),
-                                  [&](size_t i) { make_shapes(model->meshes[i]); });
+        LoadProgress progress{options.progress, kCleanShare, 1.0, model->meshes.size()};
+        oneapi::tbb::parallel_for(size_t{0}, model->meshes.size(), [&](size_t i) {
+            make_shapes(model->meshes[i]);
+            progress.advance(1);
+        });
     }
     return model;
 }

@@ -99,21 +99,79 @@ std::string moved_obj(std::string_view text, const glm::dvec3& offset)
     return out;
 }
 
+std::string utf8_of_utf16(std::string_view text)
+{
+    const bool little = text.starts_with("\xFF\xFE");
+    if ((!little && !text.starts_with("\xFE\xFF")) || text.size() % 2 != 0) {
+        return {};
+    }
+    const auto unit = [&](size_t at) {
+        const auto first = static_cast<uint8_t>(text[at]);
+        const auto second = static_cast<uint8_t>(text[at + 1]);
+        return little ? char32_t{first} | char32_t{second} << 8
+                      : char32_t{second} | char32_t{first} << 8;
+    };
+    const auto is_surrogate = [](char32_t code, char32_t kind) { return (code >> 10) == kind; };
+    constexpr char32_t kHigh = 0xD800 >> 10;
+    constexpr char32_t kLow = 0xDC00 >> 10;
+    std::string out;
+    out.reserve(text.size() / 2);
+    for (size_t at = 2; at < text.size(); at += 2) {
+        char32_t code = unit(at);
+        if (is_surrogate(code, kHigh) && at + 2 < text.size() && is_surrogate(unit(at + 2), kLow)) {
+            code = 0x10000 + ((code & 0x3ff) << 10 | (unit(at + 2) & 0x3ff));
+            at += 2;
+        } else if (is_surrogate(code, kHigh) || is_surrogate(code, kLow)) {
+            return {};
+        }
+        const auto more = [&](int bits) { // six bits of a character of several bytes
+            out += static_cast<char>(0x80 | (code >> bits & 0x3f));
+        };
+        if (code < 0x80) {
+            out += static_cast<char>(code);
+        } else if (code < 0x800) {
+            out += static_cast<char>(0xC0 | code >> 6);
+            more(0);
+        } else if (code < 0x10000) {
+            out += static_cast<char>(0xE0 | code >> 12);
+            more(6);
+            more(0);
+        } else {
+            out += static_cast<char>(0xF0 | code >> 18);
+            more(12);
+            more(6);
+            more(0);
+        }
+    }
+    return out;
+}
+
+std::string AssimpFiles::replaced_text(const std::string& file)
+{
+    const auto mapped = MappedFile::open(file);
+    if (!mapped) {
+        return {};
+    }
+    const auto bytes = mapped->bytes();
+    std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    std::string converted = utf8_of_utf16(text);
+    text = converted.empty() ? text : std::string_view{converted};
+    if (file == scene_ && (file.ends_with(".obj") || file.ends_with(".OBJ"))) {
+        offset_ = far_offset_of_obj(text);
+        if (offset_ != glm::dvec3{0.0}) {
+            return moved_obj(text, offset_);
+        }
+    }
+    return converted;
+}
+
 Assimp::IOStream* AssimpFiles::Open(const char* name, const char* mode)
 {
     opened_.emplace_back(name);
-    const std::string_view file = name;
-    if (file == scene_ && (file.ends_with(".obj") || file.ends_with(".OBJ"))) {
-        const auto mapped = MappedFile::open(scene_);
-        const auto bytes = mapped ? mapped->bytes() : std::span<const uint8_t>{};
-        const std::string_view text{reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-        offset_ = far_offset_of_obj(text);
-        if (offset_ != glm::dvec3{0.0}) {
-            const std::string moved = moved_obj(text, offset_);
-            auto* content = new uint8_t[moved.size()]; // the stream owns it
-            std::memcpy(content, moved.data(), moved.size());
-            return new Assimp::MemoryIOStream(content, moved.size(), true);
-        }
+    if (const std::string text = replaced_text(name); !text.empty()) {
+        auto* content = new uint8_t[text.size()]; // the stream owns it
+        std::memcpy(content, text.data(), text.size());
+        return new Assimp::MemoryIOStream(content, text.size(), true);
     }
     return DefaultIOSystem::Open(name, mode);
 }

@@ -6,6 +6,7 @@
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/Importer.hpp>
+#include <assimp/ProgressHandler.hpp>
 #include <assimp/material.h>
 #include <assimp/scene.h>
 
@@ -26,6 +27,14 @@ namespace {
 Error bad_file(const std::filesystem::path& file, const std::string& what)
 {
     return {ErrorCode::bad_data, fmt::format("{}: {}", file.string(), what)};
+}
+
+Error no_reader(const std::filesystem::path& file)
+{
+    return bad_file(file,
+                    fmt::format("cannot be read as a scene: Assimp, as it was built here, has "
+                                "no reader for files that end in '{}'; export it as GLB",
+                                file.extension().string()));
 }
 
 glm::vec3 to_glm(const aiVector3D& v)
@@ -161,6 +170,31 @@ void place_forgotten_meshes(const glm::dvec3& offset, LoadedScene& out)
     }
 }
 
+class AssimpProgress : public Assimp::ProgressHandler {
+public:
+    explicit AssimpProgress(std::function<void(double)> tell)
+        : tell_(std::move(tell))
+    {
+    }
+    bool Update(float /*share*/) override { return true; } // of post-processing, which is not done
+    void UpdateFileRead(int step, int steps) override
+    {
+        if (tell_ && steps > 0) {
+            tell_(static_cast<double>(step) / steps);
+        }
+    }
+
+private:
+    std::function<void(double)> tell_;
+};
+
+bool holds_nothing(const LoadedScene& scene)
+{
+    return std::all_of(scene.meshes.begin(), scene.meshes.end(), [](const LoadedMesh& mesh) {
+        return mesh.indices.empty() && mesh.left_out.all() == 0;
+    });
+}
+
 /// FBX says how many centimetres a unit is, and which axis is up.
 void read_metadata(const aiMetadata* data, LoadedScene& out)
 {
@@ -237,9 +271,11 @@ void note_precision(LoadedScene& out)
 
 } // namespace
 
-Result<LoadedScene> read_with_assimp(const std::filesystem::path& file)
+Result<LoadedScene> read_with_assimp(const std::filesystem::path& file,
+                                     const std::function<void(double share)>& progress)
 {
     Assimp::Importer importer;
+    importer.SetProgressHandler(new AssimpProgress(progress)); // the importer owns it
     auto* files = new AssimpFiles(file.string());
     importer.SetIOHandler(files); // the importer owns it
     const aiScene* scene = importer.ReadFile(file.string(), 0);
@@ -248,13 +284,11 @@ Result<LoadedScene> read_with_assimp(const std::filesystem::path& file)
         if (reason.find("bad_alloc") != std::string::npos) {
             throw std::bad_alloc{};
         }
-        const std::string extension = file.extension().string();
-        if (!importer.IsExtensionSupported(extension)) {
-            reason = fmt::format("Assimp has no reader for files that end in '{}'", extension);
-        }
-        return bad_file(file, fmt::format("cannot be read as a scene ({}); give a whole glTF, GLB, "
-                                          "OBJ, PLY, Collada, FBX or other file that Assimp reads",
-                                          reason.empty() ? "it holds no nodes" : reason));
+        return importer.IsExtensionSupported(file.extension().string())
+                   ? bad_file(file, fmt::format("cannot be read as a scene by Assimp ({}); export "
+                                                "it again, best as GLB",
+                                                reason.empty() ? "it holds no nodes" : reason))
+                   : no_reader(file);
     }
     if (const auto problem = broken_part(*scene)) {
         return bad_file(file, *problem + "; the file is broken, export it again");
@@ -269,6 +303,13 @@ Result<LoadedScene> read_with_assimp(const std::filesystem::path& file)
         out.meshes.push_back(convert_mesh(*scene->mMeshes[i]));
         uint32_t& material = out.meshes.back().material;
         material = material < out.materials.size() ? material : kNoMaterial;
+    }
+    if (holds_nothing(out)) {
+        // Some reader may have taken a file that is not of its kind.
+        return importer.IsExtensionSupported(file.extension().string())
+                   ? bad_file(file, "has no triangles to draw, as far as Assimp can read it; if "
+                                    "there are some, export it as GLB")
+                   : no_reader(file);
     }
     out.sources.push_back({file.string(), content_hash(file)});
     for (const std::string& other : files->opened()) {

@@ -6,6 +6,7 @@
 #include <occlude/core/result.h>
 
 #include <filesystem>
+#include <functional>
 
 namespace occlude::tools {
 
@@ -13,7 +14,9 @@ namespace occlude::tools {
 /// several nodes share stays one mesh with several instances. Polygons are cut into triangles;
 /// points and lines are counted. Coordinates of OBJ files that lie far from the origin are read in
 /// double precision. Errors name the file. Assimp crashes, hangs and eats memory over some broken
-/// files: call it through read_in_child().
-Result<LoadedScene> read_with_assimp(const std::filesystem::path& file);
+/// files: call it through read_in_child(). `progress` may be empty; few of Assimp's readers say how
+/// far they are.
+Result<LoadedScene> read_with_assimp(const std::filesystem::path& file,
+                                     const std::function<void(double share)>& progress);
 
 } // namespace occlude::tools

@@ -73,14 +73,57 @@ std::vector<uint32_t> first_at_position(const std::vector<glm::vec3>& positions)
     return first;
 }
 
+using Places = std::array<uint32_t, 3>;
+
+Places sorted(Places places)
+{
+    std::sort(places.begin(), places.end());
+    return places;
+}
+
+/// Whether two triangles over the same three different points have the same side out.
+bool same_side_out(const Places& a, const Places& b)
+{
+    return (b[0] == a[0] && b[1] == a[1]) || (b[0] == a[1] && b[1] == a[2]) ||
+           (b[0] == a[2] && b[1] == a[0]);
+}
+
+/// The kept triangles of a mesh, to find those that repeat one of them.
+class KnownTriangles {
+public:
+    explicit KnownTriangles(size_t most)
+        : table_(most)
+    {
+        triangles_.reserve(most);
+    }
+    /// Whether an earlier triangle lies over the same points; counts it.
+    bool repeats_one(const Places& places, LoadedMesh& counts)
+    {
+        const Places key = sorted(places);
+        const auto candidate = static_cast<uint32_t>(triangles_.size());
+        const uint32_t found =
+            table_.find_or_insert(hash64(key[0], key[1], key[2]), candidate,
+                                  [&](uint32_t i) { return sorted(triangles_[i]) == key; });
+        if (found == candidate) {
+            triangles_.push_back(places);
+            return false;
+        }
+        const bool same = same_side_out(triangles_[found], places);
+        ++(same ? counts.repeated : counts.backs);
+        return same;
+    }
+
+private:
+    IndexTable table_;
+    std::vector<Places> triangles_;
+};
+
 /// Keeps the triangles that can be drawn, in their order.
-void drop_bad_triangles(LoadedMesh& mesh)
+void drop_bad_triangles(LoadedMesh& mesh, Repeats repeats)
 {
     const std::vector<uint32_t> place = first_at_position(mesh.positions);
     const size_t count = mesh.indices.size() / 3;
-    std::vector<std::array<uint32_t, 3>> kept_places;
-    kept_places.reserve(count);
-    IndexTable known(count);
+    KnownTriangles known(count);
     size_t kept = 0;
     for (size_t t = 0; t < count; ++t) {
         const uint32_t corners[3] = {mesh.indices[3 * t], mesh.indices[3 * t + 1],
@@ -90,18 +133,14 @@ void drop_bad_triangles(LoadedMesh& mesh)
             ++mesh.left_out.non_finite;
             continue;
         }
-        std::array<uint32_t, 3> places{place[corners[0]], place[corners[1]], place[corners[2]]};
-        std::sort(places.begin(), places.end());
-        if (places[0] == places[1] || places[1] == places[2]) {
+        const Places places{place[corners[0]], place[corners[1]], place[corners[2]]};
+        if (places[0] == places[1] || places[1] == places[2] || places[2] == places[0]) {
             ++mesh.left_out.degenerate;
             continue;
         }
-        const auto candidate = static_cast<uint32_t>(kept_places.size());
-        const uint32_t found =
-            known.find_or_insert(hash64(places[0], places[1], places[2]), candidate,
-                                 [&](uint32_t other) { return kept_places[other] == places; });
-        mesh.repeated += found != candidate ? 1 : 0;
-        kept_places.push_back(places);
+        if (known.repeats_one(places, mesh) && repeats == Repeats::drop) {
+            continue;
+        }
         std::copy(corners, corners + 3, mesh.indices.begin() + static_cast<std::ptrdiff_t>(kept));
         kept += 3;
     }
@@ -119,10 +158,10 @@ void normalize_all(std::vector<glm::vec3>& normals)
 
 } // namespace
 
-Mesh clean_mesh(LoadedMesh& source)
+Mesh clean_mesh(LoadedMesh& source, Repeats repeats)
 {
     const size_t triangles = source.indices.size();
-    drop_bad_triangles(source);
+    drop_bad_triangles(source, repeats);
     Mesh mesh;
     mesh.name = std::move(source.name);
     mesh.indices = std::move(source.indices);

@@ -1,6 +1,8 @@
 #include "load/finish_scene.h"
 
 #include "load/clean_mesh.h"
+#include "load/duplicates.h"
+#include "load/load_progress.h"
 #include "load/scene_measures.h"
 #include "model/focus.h"
 #include "model/mesh_tools.h"
@@ -104,8 +106,10 @@ public:
     Result<SceneModel> finish();
 
 private:
+    bool is_opaque(const LoadedMesh& mesh) const;
     void clean_meshes();
     void add_instances();
+    void drop_duplicates();
     void choose_origin();
     void choose_axis_and_unit();
     void add_cameras();
@@ -118,21 +122,40 @@ private:
     const SceneOptions& options_;
     SceneModel model_;
     std::vector<uint32_t> mesh_of_;             ///< by mesh of loaded_
+    std::vector<uint64_t> triangles_in_file_;   ///< by mesh of loaded_
     std::vector<const LoadedInstance*> placed_; ///< by instance of model_
     uint64_t misplaced_ = 0;
 };
 
+bool Finisher::is_opaque(const LoadedMesh& mesh) const
+{
+    const LoadedMaterial* material = material_of(loaded_, mesh);
+    return material == nullptr || material->surface == Surface::opaque;
+}
+
 void Finisher::clean_meshes()
 {
     std::vector<Mesh> meshes(loaded_.meshes.size());
+    uint64_t all = 0;
+    for (const LoadedMesh& mesh : loaded_.meshes) {
+        all += mesh.indices.size() / 3;
+    }
+    LoadProgress progress{options_.progress, kReadShare, kCleanShare, all};
     oneapi::tbb::parallel_for(size_t{0}, meshes.size(), [&](size_t i) {
-        meshes[i] = clean_mesh(loaded_.meshes[i]);
+        LoadedMesh& source = loaded_.meshes[i];
+        const size_t triangles = source.indices.size() / 3;
+        meshes[i] = clean_mesh(source, is_opaque(source) ? Repeats::drop : Repeats::keep);
         if (!meshes[i].indices.empty()) {
             partition_mesh(meshes[i], std::max(options_.item_triangles, 1u));
         }
+        progress.advance(triangles);
     });
     mesh_of_.assign(meshes.size(), kNoMesh);
     for (size_t i = 0; i < meshes.size(); ++i) {
+        const LoadedMesh& source = loaded_.meshes[i];
+        const uint64_t dropped = is_opaque(source) ? source.repeated : 0;
+        triangles_in_file_.push_back(meshes[i].indices.size() / 3 + source.left_out.triangles() +
+                                     dropped);
         if (!meshes[i].indices.empty()) {
             mesh_of_[i] = static_cast<uint32_t>(model_.meshes.size());
             model_.meshes.push_back(std::move(meshes[i]));
@@ -143,13 +166,11 @@ void Finisher::clean_meshes()
 void Finisher::add_instances()
 {
     for (const LoadedInstance& source : loaded_.instances) {
-        const LeftOut& left_out = loaded_.meshes[source.mesh].left_out;
-        model_.file_triangles += left_out.triangles();
+        model_.file_triangles += triangles_in_file_[source.mesh];
         const uint32_t mesh = mesh_of_[source.mesh];
         if (mesh == kNoMesh) {
             continue;
         }
-        model_.file_triangles += model_.meshes[mesh].indices.size() / 3;
         Instance instance = instance_of(loaded_, source, mesh, model_.meshes[mesh].name);
         Aabb box;
         for (const MeshPart& part : model_.meshes[mesh].parts) {
@@ -162,6 +183,34 @@ void Finisher::add_instances()
             ++misplaced_;
         }
     }
+}
+
+void Finisher::drop_duplicates()
+{
+    const Duplicates found = find_duplicates(model_, placed_);
+    if (found.other_color_count > 0) {
+        model_.load_notes.push_back(
+            fmt::format("{} objects stand exactly where an object of the same shape and another "
+                        "colour does: all are drawn, and which one is seen depends on the order",
+                        found.other_color_count));
+    }
+    if (found.unseen_count == 0) {
+        return;
+    }
+    model_.load_notes.push_back(
+        fmt::format("{} objects stand exactly where an equal one does: each is drawn once",
+                    found.unseen_count));
+    size_t kept = 0;
+    for (size_t i = 0; i < placed_.size(); ++i) {
+        if (!found.unseen[i]) {
+            if (kept != i) {
+                model_.instances[kept] = std::move(model_.instances[i]);
+            }
+            placed_[kept++] = placed_[i];
+        }
+    }
+    model_.instances.resize(kept);
+    placed_.resize(kept);
 }
 
 void Finisher::choose_origin()
@@ -249,14 +298,22 @@ void Finisher::add_cameras()
 void Finisher::describe_losses()
 {
     LeftOut sum;
-    uint64_t repeated = 0;
+    uint64_t dropped = 0;
+    uint64_t drawn_again = 0;
     for (const LoadedMesh& mesh : loaded_.meshes) {
         sum += mesh.left_out;
-        repeated += mesh.repeated;
+        (is_opaque(mesh) ? dropped : drawn_again) += mesh.repeated;
+        drawn_again += mesh.backs;
     }
-    if (repeated > 0) {
+    if (dropped > 0) {
         model_.load_notes.push_back(fmt::format(
-            "{} triangles repeat another one of their mesh; they are drawn again", repeated));
+            "{} triangles repeat another one of their mesh: each is drawn once", dropped));
+    }
+    if (drawn_again > 0) {
+        model_.load_notes.push_back(fmt::format(
+            "{} triangles are the back of another one of their mesh, or repeat one that "
+            "hides nothing: they are drawn, too",
+            drawn_again));
     }
     const auto say = [&](uint64_t count, const char* what) {
         if (count > 0) {
@@ -310,6 +367,7 @@ Result<SceneModel> Finisher::finish()
     if (model_.instances.empty()) {
         return nothing_left();
     }
+    drop_duplicates();
     choose_origin();
     choose_axis_and_unit();
     describe_materials();

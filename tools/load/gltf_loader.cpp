@@ -4,6 +4,7 @@
 #include "load/gltf_materials.h"
 #include "load/gltf_primitive.h"
 #include "load/gltf_scene.h"
+#include "load/load_progress.h"
 
 #include <fmt/format.h>
 
@@ -52,11 +53,43 @@ std::vector<std::string> unknown_extensions(const GltfDocument& document, const 
     return unknown;
 }
 
+/// Corners of the triangles of a primitive, as its accessors say; 0 for a broken one.
+uint64_t corners_of(const GltfDocument& document, const json& primitive)
+{
+    const auto attributes = primitive.find("attributes");
+    const json* source = primitive.contains("indices") ? &primitive["indices"]
+                         : attributes != primitive.end() && attributes->contains("POSITION")
+                             ? &(*attributes)["POSITION"]
+                             : nullptr;
+    const json& accessors = document.list("accessors");
+    if (source == nullptr || !source->is_number_unsigned() ||
+        source->get<size_t>() >= accessors.size()) {
+        return 0;
+    }
+    return static_cast<uint64_t>(
+        std::max(number_or(accessors[source->get<size_t>()], "count", 0.0), 0.0));
+}
+
+uint64_t corners_of_all(const GltfDocument& document)
+{
+    uint64_t corners = 0;
+    for (const json& mesh : document.list("meshes")) {
+        const auto primitives = mesh.find("primitives");
+        const bool is_list = primitives != mesh.end() && primitives->is_array();
+        for (size_t i = 0; is_list && i < primitives->size(); ++i) {
+            corners += (*primitives)[i].is_object() ? corners_of(document, (*primitives)[i]) : 0;
+        }
+    }
+    return corners;
+}
+
 class Reader {
 public:
-    Reader(const std::filesystem::path& file, uint64_t memory_budget)
+    Reader(const std::filesystem::path& file, uint64_t memory_budget,
+           const std::function<void(double)>& progress)
         : document_(file, memory_budget)
         , accessors_(document_)
+        , progress_(progress, 0.0, 1.0, corners_of_all(document_))
     {
     }
 
@@ -82,6 +115,7 @@ private:
 
     GltfDocument document_;
     GltfAccessors accessors_;
+    LoadProgress progress_; ///< in corners of triangles
     LoadedScene scene_;
     std::vector<glm::dmat4> worlds_; ///< empty until a skin asks
     std::map<std::tuple<size_t, uint32_t, std::string>, Shown> shown_;
@@ -153,6 +187,7 @@ Reader::Shown Reader::build(const json& node, size_t mesh_index)
     mesh_name_ = text_of(mesh, "name");
     for (const json& primitive : *primitives) {
         build_primitive(primitive, motion, shown);
+        progress_.advance(corners_of(document_, primitive));
         has_targets = has_targets || primitive.contains("targets");
     }
     morphed_ += has_targets ? 1 : 0;
@@ -306,13 +341,14 @@ LoadedScene Reader::read()
 
 } // namespace
 
-Result<LoadedScene> load_gltf(const std::filesystem::path& file, uint64_t memory_budget)
+Result<LoadedScene> load_gltf(const std::filesystem::path& file, uint64_t memory_budget,
+                              const std::function<void(double share)>& progress)
 {
     const auto failed = [&](ErrorCode code, const std::string& what) {
         return Error{code, fmt::format("{}: {}", file.string(), what)};
     };
     try {
-        return Reader{file, memory_budget}.read();
+        return Reader{file, memory_budget, progress}.read();
     } catch (const GltfVersion1& error) {
         return failed(ErrorCode::unsupported, error.what());
     } catch (const GltfError& error) {

@@ -123,6 +123,39 @@ std::vector<uint32_t> root_nodes(const GltfDocument& document)
     return roots;
 }
 
+/// True if a node is below one that is its own child, or its children's.
+bool is_in_a_circle(const GltfDocument& document, uint32_t node)
+{
+    const size_t count = document.list("nodes").size();
+    const auto for_each_child = [&](uint32_t parent, auto&& visit) {
+        for (const uint32_t child : node_list(document.entry("nodes", parent), "children")) {
+            if (child < count) {
+                visit(child);
+            }
+        }
+    };
+    std::vector<uint32_t> parents(count, 0);
+    for (uint32_t i = 0; i < count; ++i) {
+        for_each_child(i, [&](uint32_t child) { ++parents[child]; });
+    }
+    std::vector<uint32_t> open; // nodes all of whose parents are known to be in no circle
+    for (uint32_t i = 0; i < count; ++i) {
+        if (parents[i] == 0) {
+            open.push_back(i);
+        }
+    }
+    while (!open.empty()) {
+        const uint32_t at = open.back();
+        open.pop_back();
+        for_each_child(at, [&](uint32_t child) {
+            if (--parents[child] == 0) {
+                open.push_back(child);
+            }
+        });
+    }
+    return parents[node] > 0;
+}
+
 } // namespace
 
 std::vector<PlacedNode> placed_nodes(const GltfDocument& document)
@@ -147,10 +180,13 @@ std::vector<PlacedNode> placed_nodes(const GltfDocument& document)
         const Open at = open.back();
         open.pop_back();
         if (at.depth > kDeepestNode) {
-            throw GltfError{
-                fmt::format("node {} lies more than {} nodes deep, or in itself; export "
-                            "it again with fewer levels",
-                            at.node, kDeepestNode)};
+            throw GltfError{is_in_a_circle(document, at.node)
+                                ? fmt::format("its nodes run in a circle above node {}; the file "
+                                              "is broken, export it again",
+                                              at.node)
+                                : fmt::format("node {} lies more than {} nodes deep; export it "
+                                              "again with fewer levels",
+                                              at.node, kDeepestNode)};
         }
         if (found > std::max(kMostShared, document.list("nodes").size())) {
             throw GltfError{fmt::format("node {} is one of more than {} there are because nodes "

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -96,9 +97,43 @@ void lower_limit(int resource, rlim_t value)
     ::_exit(std::fflush(stream) == 0 ? code : kNoMemory);
 }
 
+/// A number that this process and its child see.
+class SharedShare {
+public:
+    SharedShare()
+        : page_(::mmap(nullptr, sizeof(Share), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS,
+                       -1, 0))
+        , share_(page_ != MAP_FAILED ? new (page_) Share{0.0} : nullptr)
+    {
+    }
+    ~SharedShare()
+    {
+        if (share_ != nullptr) {
+            ::munmap(page_, sizeof(Share));
+        }
+    }
+    SharedShare(const SharedShare&) = delete;
+    SharedShare& operator=(const SharedShare&) = delete;
+
+    void set(double share) const
+    {
+        if (share_ != nullptr) {
+            share_->store(share, std::memory_order_relaxed);
+        }
+    }
+    double get() const { return share_ != nullptr ? share_->load(std::memory_order_relaxed) : 0.0; }
+
+private:
+    using Share = std::atomic<double>;
+    static_assert(Share::is_always_lock_free, "two processes share it");
+    void* page_;
+    Share* share_;
+};
+
 /// Waits for the child; after `seconds` it is killed. True if it ended by itself.
-bool wait_for(pid_t child, uint32_t seconds, int& status)
+bool wait_for(pid_t child, uint32_t seconds, int& status, const std::function<void()>& meanwhile)
 {
+    constexpr int64_t kLookEveryMs = 100;
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
     const auto process = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
     bool in_time = true;
@@ -108,9 +143,10 @@ bool wait_for(pid_t child, uint32_t seconds, int& status)
         pollfd ended{process, POLLIN, 0};
         in_time = left.count() > 0;
         if (!in_time ||
-            ::poll(&ended, 1, static_cast<int>(std::min<int64_t>(left.count(), 1000))) > 0) {
+            ::poll(&ended, 1, static_cast<int>(std::min(left.count(), kLookEveryMs))) > 0) {
             break;
         }
+        meanwhile();
     }
     if (process >= 0) {
         ::close(process);
@@ -170,10 +206,12 @@ Error describe_end(const std::string& file, const std::string& reader, const Chi
 
 } // namespace
 
-Result<LoadedScene> read_in_child(const std::string& file, const std::string& reader,
-                                  const ChildLimits& limits,
-                                  const std::function<Result<LoadedScene>()>& read)
+Result<LoadedScene>
+read_in_child(const std::string& file, const std::string& reader, const ChildLimits& limits,
+              const ReadProgress& progress,
+              const std::function<Result<LoadedScene>(const ReadProgress& progress)>& read)
 {
+    const SharedShare share;
     const int memory = ::memfd_create("occlude scene", MFD_CLOEXEC);
     const pid_t parent = ::getpid();
     const pid_t child = memory < 0 ? -1 : ::fork();
@@ -182,10 +220,14 @@ Result<LoadedScene> read_in_child(const std::string& file, const std::string& re
                                              std::strerror(errno)));
     }
     if (child == 0) {
-        run_child(memory, limits, parent, read);
+        run_child(memory, limits, parent, [&] { return read([&](double s) { share.set(s); }); });
     }
     int status = 0;
-    const bool in_time = wait_for(child, limits.seconds, status);
+    const bool in_time = wait_for(child, limits.seconds, status, [&] {
+        if (progress) {
+            progress(share.get());
+        }
+    });
     auto bytes = MappedFile::of_descriptor(memory, file);
     ::close(memory);
     if (!bytes) {

@@ -49,7 +49,8 @@ struct LoadedMesh {
     std::vector<uint32_t> indices = {}; ///< three per triangle, each below positions.size()
     uint32_t material = kNoMaterial;    ///< an index, or kNoMaterial
     LeftOut left_out = {};
-    uint64_t repeated = 0; ///< triangles over the same three points as another one of the mesh
+    uint64_t repeated = 0; ///< triangles over the same three points as another one, same side out
+    uint64_t backs = 0;    ///< the same, the other side out
 };
 
 struct LoadedInstance {

@@ -5,6 +5,7 @@
 #include "load/gltf_document.h"
 #include "load/gltf_loader.h"
 #include "load/guarded_child.h"
+#include "load/load_progress.h"
 #include "load/scene_cache.h"
 
 #include <fmt/format.h>
@@ -84,9 +85,6 @@ std::optional<std::string> unreadable_kind(const std::string& file)
     if (std::string_view{head, 4} == "glTF") { // not of version 2
         return "is a binary glTF file of version 1, which is not read; convert it to glTF 2.0";
     }
-    if (std::string_view{head, 2} == "\xFE\xFF") {
-        return "is text in UTF-16, big-endian, which is not read; save it as UTF-8";
-    }
     return broken_ply(file);
 }
 
@@ -103,11 +101,18 @@ uint64_t memory_limit_mib(const SceneOptions& options)
 Result<LoadedScene> read_file(const std::string& file, const SceneOptions& options)
 {
     const ChildLimits limits{options.load_seconds, memory_limit_mib(options)};
+    const ReadProgress progress = [&](double share) {
+        if (options.progress) {
+            options.progress(kReadShare * share);
+        }
+    };
     if (looks_like_gltf_2(file)) {
-        const auto read = [&] { return load_gltf(file, limits.memory_mib << 20); };
-        auto scene = gltf_needs_guard(file)
-                         ? read_in_child(file, "a decoder of meshes or images", limits, read)
-                         : read();
+        const auto read = [&](const ReadProgress& told) {
+            return load_gltf(file, limits.memory_mib << 20, told);
+        };
+        auto scene = gltf_needs_guard(file) ? read_in_child(file, "a decoder of meshes or images",
+                                                            limits, progress, read)
+                                            : read(progress);
         if (scene || scene.error().code != ErrorCode::unsupported) {
             return scene; // unsupported: glTF of version 1, which Assimp reads
         }
@@ -119,7 +124,9 @@ Result<LoadedScene> read_file(const std::string& file, const SceneOptions& optio
         return std::move(*kept);
     }
     const auto start = std::chrono::steady_clock::now();
-    auto scene = read_in_child(file, "Assimp", limits, [&] { return read_with_assimp(file); });
+    auto scene = read_in_child(file, "Assimp", limits, progress, [&](const ReadProgress& told) {
+        return read_with_assimp(file, told);
+    });
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
     if (scene && taken.count() > kSecondsWorthKeeping) {
         keep_scene(options.cache_folder, *scene);

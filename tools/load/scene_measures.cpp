@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -102,7 +104,70 @@ std::optional<float> door_height(const SceneModel& model)
     return median > 0.0f ? std::optional{median} : std::nullopt;
 }
 
+/// A height at which a scene has level surface.
+struct Level {
+    float height = 0.0f;
+    double area = 0.0;
+};
+
+/// Joins levels that lie within `distance` of the first of their group, at its height.
+std::vector<Level> joined(std::span<const Level> ascending, float distance)
+{
+    std::vector<Level> groups;
+    for (const Level& level : ascending) {
+        if (groups.empty() || level.height - groups.back().height > distance) {
+            groups.push_back(level);
+        } else {
+            groups.back().area += level.area;
+        }
+    }
+    return groups;
+}
+
 } // namespace
+
+std::optional<float> storey_height(const SceneModel& model)
+{
+    constexpr float kLevel = 0.98f;       // cosine
+    constexpr float kSameHeight = 0.005f; // share of the scene's height
+    constexpr double kLargeLevel = 0.25;  // share of the largest level's area
+    constexpr float kSameStorey = 0.4f;   // share of the largest gap: floor and ceiling of a slab
+    constexpr float kEven = 0.15f;        // how far a gap may be from the middle one
+    constexpr size_t kLeastLevels = 4;
+    std::vector<Level> levels;
+    sample_triangles(model, [&](const Triangle& t) {
+        const glm::vec3 area = glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
+        if (std::abs(glm::dot(area, model.up)) > kLevel * glm::length(area)) {
+            const glm::vec3 middle = (t.corners[0] + t.corners[1] + t.corners[2]) / 3.0f;
+            levels.push_back({glm::dot(middle, model.up), glm::length(area)});
+        }
+    });
+    if (levels.empty()) {
+        return std::nullopt;
+    }
+    std::ranges::sort(levels, {}, &Level::height);
+    levels = joined(levels, kSameHeight * (levels.back().height - levels.front().height));
+    const double largest = std::ranges::max_element(levels, {}, &Level::area)->area;
+    std::erase_if(levels, [&](const Level& level) { return level.area < kLargeLevel * largest; });
+    const auto gap = [&](size_t i) { return levels[i + 1].height - levels[i].height; };
+    float largest_gap = 0.0f;
+    for (size_t i = 0; i + 1 < levels.size(); ++i) {
+        largest_gap = std::max(largest_gap, gap(i));
+    }
+    levels = joined(levels, kSameStorey * largest_gap);
+    if (levels.size() < kLeastLevels) {
+        return std::nullopt;
+    }
+    std::vector<float> gaps;
+    for (size_t i = 0; i + 1 < levels.size(); ++i) {
+        gaps.push_back(gap(i));
+    }
+    std::ranges::sort(gaps);
+    const float median = gaps[gaps.size() / 2];
+    const bool even =
+        gaps.front() > (1.0f - kEven) * median && gaps.back() < (1.0f + kEven) * median;
+    return even && median > 0.0f ? std::optional{median} : std::nullopt;
+}
 
 UnitGuess guess_unit(const SceneModel& model, UnitSource source)
 {
@@ -115,10 +180,19 @@ UnitGuess guess_unit(const SceneModel& model, UnitSource source)
     constexpr float kDoorHeight = 2.05f;      // metres
     constexpr float kLeastDoor = 1.0f;        // metres: lower and ...
     constexpr float kMostDoor = 6.0f;         // ... higher ones than these speak of another unit.
+    constexpr float kStoreyHeight = 3.0f;     // metres
+    constexpr float kMostStorey = 7.0f;       // metres: halls have higher ones, so a file that ...
+    constexpr float kMostStoreySaid = 20.0f;  // ... says metres is believed up to here.
 
-    if (const auto door = door_height(model); door && (*door < kLeastDoor || *door > kMostDoor)) {
-        return nearest_known(*door / kDoorHeight,
-                             fmt::format("its doors are {:.3g} units high", *door));
+    if (const auto door = door_height(model)) {
+        const std::string why = fmt::format("its doors are {:.3g} units high", *door);
+        return *door < kLeastDoor || *door > kMostDoor ? nearest_known(*door / kDoorHeight, why)
+                                                       : UnitGuess{1.0f, "metres: " + why};
+    }
+    const float most_storey = source == UnitSource::metres ? kMostStoreySaid : kMostStorey;
+    if (const auto storey = storey_height(model); storey && *storey > most_storey) {
+        return nearest_known(*storey / kStoreyHeight,
+                             fmt::format("its storeys are {:.3g} units high", *storey));
     }
     std::vector<float> edges;
     sample_triangles(model, [&](const Triangle& t) {

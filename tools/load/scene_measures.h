@@ -21,13 +21,18 @@ struct UnitGuess {
     std::string reason;
 };
 
-/// Units per metre. Objects whose names say that they are doors decide first: they are 2 m high. A
-/// file that says metres is believed (1) otherwise, unless the scene were longer than 20 km, or
-/// nine of ten triangles larger than 20 m; one that says nothing is taken for metres too, unless it
-/// is longer than 1 km with triangles of 8 m and more. Then it is the usual unit (metres, feet,
-/// Quake's, inches, centimetres, millimetres) that brings the triangles' median edge nearest to
-/// 4 m.
+/// Units per metre. Objects whose names say that they are doors decide first: they are 2 m high.
+/// Then storeys, where at least four level surfaces lie evenly above each other: they are 3 m high;
+/// a spacing that a metre allows says nothing. A file that says metres is believed (1) otherwise,
+/// unless the scene were longer than 20 km, or nine of ten triangles larger than 20 m; one that
+/// says nothing is taken for metres too, unless it is longer than 1 km with triangles of 8 m and
+/// more. Then it is the usual unit (metres, feet, Quake's, inches, centimetres, millimetres) that
+/// brings the triangles' median edge nearest to 2 m.
 UnitGuess guess_unit(const SceneModel& model, UnitSource source);
+
+/// The distance of the large level surfaces of a building from one to the next, in units along
+/// model.up; nothing where there are not four of them, evenly spaced.
+std::optional<float> storey_height(const SceneModel& model);
 
 /// +y, or +z where the large level surfaces near the bottom of the scene are level in z: ground and
 /// floors.

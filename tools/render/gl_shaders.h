@@ -45,11 +45,14 @@ inline const std::string kDepthVertex = kPosition + "}\n";
 inline const std::string kIdVertex = kPosition + "    item = id;\n}\n";
 
 // Normals go through the cofactors: right for any scale, without an inverse; their sign under
-// mirrored transforms does not matter, since both sides are lit alike.
+// mirrored transforms does not matter, since both sides are lit alike. The rows are scaled first,
+// by a power of two that changes no bit of them: products of three would leave the range of float.
 inline const std::string kShadeVertex = kPosition + R"(
-    vec3 a = world_row_0.xyz;
-    vec3 b = world_row_1.xyz;
-    vec3 c = world_row_2.xyz;
+    vec3 largest = max(max(abs(world_row_0.xyz), abs(world_row_1.xyz)), abs(world_row_2.xyz));
+    float scale = exp2(-floor(log2(max(max(largest.x, largest.y), largest.z))));
+    vec3 a = world_row_0.xyz * scale;
+    vec3 b = world_row_1.xyz * scale;
+    vec3 c = world_row_2.xyz * scale;
     normal = vec3(dot(cross(b, c), normal_mesh), dot(cross(c, a), normal_mesh),
                   dot(cross(a, b), normal_mesh));
     color = base_color;

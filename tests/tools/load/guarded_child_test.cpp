@@ -1,10 +1,13 @@
+#include "generate/scene_source.h"
 #include "load/guarded_child.h"
 #include "load/scene_bytes.h"
 #include "load/scene_cache.h"
+#include "support/source_dir.h"
 #include "tools/temp_folder.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -20,7 +23,8 @@ namespace {
 Result<LoadedScene> read_guarded(const ChildLimits& limits,
                                  const std::function<Result<LoadedScene>()>& read)
 {
-    return read_in_child("some.file", "Reader", limits, read);
+    return read_in_child("some.file", "Reader", limits, {},
+                         [&](const ReadProgress&) { return read(); });
 }
 
 TEST(GuardedChild, HandsBackWhatWasReadAndErrorsAsTheyAre)
@@ -70,6 +74,39 @@ TEST(GuardedChild, ACrashAHangAndTooMuchMemoryBecomeSentences)
          "bad magic");
     says(read_guarded({}, []() -> Result<LoadedScene> { throw std::bad_alloc{}; }),
          "raise --load-memory");
+}
+
+TEST(GuardedChild, ProgressOfTheChildIsHeardInTheParent)
+{
+    std::vector<double> shares;
+    const auto scene = read_in_child(
+        "some.file", "Reader", {}, [&](double share) { shares.push_back(share); },
+        [](const ReadProgress& told) {
+            told(0.25);
+            ::usleep(350000); // the parent listens ten times a second
+            told(0.75);
+            ::usleep(350000);
+            return Result<LoadedScene>{LoadedScene{}};
+        });
+    ASSERT_TRUE(scene);
+    EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+    EXPECT_NE(std::find(shares.begin(), shares.end(), 0.25), shares.end());
+    EXPECT_NE(std::find(shares.begin(), shares.end(), 0.75), shares.end());
+}
+
+TEST(LoadScene, TellsHowFarItIsFromReadingToTheLastShape)
+{
+    std::vector<double> shares;
+    const auto model = load_scene(source_dir() + "/assets/castle/castle.glb",
+                                  {.progress = [&](double share) { shares.push_back(share); }});
+    ASSERT_TRUE(model) << model.error().message;
+    ASSERT_GT(shares.size(), 50u);
+    EXPECT_LT(shares.size(), 500u);
+    EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+    EXPECT_GE(shares.front(), 0.0);
+    EXPECT_LT(shares.front(), 0.1);
+    EXPECT_GT(shares.back(), 0.95);
+    EXPECT_LE(shares.back(), 1.0);
 }
 
 TEST(GuardedChild, AScenesBytesThatAreCutOffAreNoScene)

@@ -1,5 +1,6 @@
 // Files that were once read wrong, each with what is right. See tests/data/scenes/README.md.
 #include "generate/scene_source.h"
+#include "load/assimp_files.h"
 #include "model/focus.h"
 #include "support/source_dir.h"
 #include "tools/temp_folder.h"
@@ -267,6 +268,65 @@ TEST(OddFiles, UnknownKeysOfPathFilesAreRefusedWithTheNearestKnownOne)
     ASSERT_FALSE(mover);
     EXPECT_NE(mover.error().message.find("did you mean \"movers\""), std::string::npos)
         << mover.error().message;
+}
+
+std::string utf16(const std::string& ascii, bool little)
+{
+    std::string text = little ? "\xFF\xFE" : "\xFE\xFF";
+    for (const char c : ascii) {
+        text += little ? std::string{c, '\0'} : std::string{'\0', c};
+    }
+    return text;
+}
+
+TEST(OddFiles, TextInUtf16IsReadWhicheverWayItsBytesGo)
+{
+    const std::string quad = "o quad\nv 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nf 1 2 3 4\n";
+    const TempFolder folder;
+    for (const bool little : {true, false}) {
+        const auto model = load_scene(folder.write("quad.obj", utf16(quad, little)));
+        ASSERT_TRUE(model) << model.error().message;
+        EXPECT_EQ(drawn_triangles(*model), 2u);
+        expect_bounds(world_bounds(*model), {0, 0, 0}, {4, 4, 0}, 1e-5f);
+    }
+    EXPECT_EQ(utf8_of_utf16({"\xFF\xFE\xE9\x00\x3D\xD8\x00\xDE", 8}), "\xC3\xA9\xF0\x9F\x98\x80");
+    EXPECT_EQ(utf8_of_utf16({"\xFF\xFE\x3D\xD8\x41\x00", 6}), "") << "half a pair is no text";
+    EXPECT_EQ(utf8_of_utf16("plain"), "");
+}
+
+TEST(OddFiles, NodesInACircleAreToldFromNodesThatAreDeep)
+{
+    const TempFolder folder;
+    const auto ring =
+        load_scene(folder.write("ring.gltf", R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],
+                         "nodes":[{"children":[1]},{"children":[0,2]},{}]})"));
+    ASSERT_FALSE(ring);
+    EXPECT_NE(ring.error().message.find("in a circle"), std::string::npos) << ring.error().message;
+}
+
+TEST(OddFiles, PrimitivesThatAreNoListAreNamed)
+{
+    const TempFolder folder;
+    const auto scene = load_scene(folder.write(
+        "bad.gltf", R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+                        "meshes":[{"primitives":{"a":1}}]})"));
+    ASSERT_FALSE(scene);
+    EXPECT_NE(scene.error().message.find("mesh 0 has no primitives"), std::string::npos)
+        << scene.error().message;
+}
+
+TEST(OddFiles, WhatAssimpFindsNothingInIsNotCalledEmpty)
+{
+    const TempFolder folder;
+    const auto scene = load_scene(folder.write(
+        "cube.irr", "<?xml version=\"1.0\"?><irr_scene><node type=\"cube\"></node></irr_scene>"));
+    ASSERT_FALSE(scene);
+    EXPECT_NE(scene.error().message.find("Assimp"), std::string::npos) << scene.error().message;
+    const auto unknown = load_scene(folder.write("cube.m3d", "3DMO"));
+    ASSERT_FALSE(unknown);
+    EXPECT_NE(unknown.error().message.find("no reader for files that end in '.m3d'"),
+              std::string::npos)
+        << unknown.error().message;
 }
 
 /// A town of houses and thin sills, moved by `offset`, as OBJ with 4 decimals.
