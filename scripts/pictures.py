@@ -23,7 +23,7 @@ MOST_ANIMATION_BYTES = 1_500_000
 SCENES = {
     "boxcity": ("boxcity", ["--path", "street", "--path-frames", "100", "--frame", "10"]),
     "teapots": ("teapots:count=1000", ["--path", "flight", "--path-frames", "100", "--frame", "40"]),
-    "library": ("library:books=5000", ["--path-frames", "100", "--frame", "60"]),
+    "library": ("library:books=5000", ["--path-frames", "100", "--frame", "36"]),
     "plant": ("plant:triangles=1200k", ["--path-frames", "100", "--frame", "85"]),
     "bunnies": ("bunnies:count=100,triangles=10k", ["--path-frames", "100", "--frame", "20"]),
     "forest": ("forest:triangles=600k,trees=3500", ["--path-frames", "100", "--frame", "30"]),
