@@ -28,8 +28,8 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-# Pages of docs/measurements/ that other commands keep: the contents, and the table of `./dev soak`.
-OTHER_PAGES = {"README", "trust"}
+# Pages of docs/measurements/ that other commands write: `./dev soak`, scripts/check_models.py. README lists all.
+OTHER_PAGES = {"README", "trust", "models"}
 BLOCK = re.compile(r"(<!-- measured: (\w+)(?: ([\w,]+))? -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
