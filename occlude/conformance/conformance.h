@@ -63,6 +63,9 @@ struct Options {
     /// By default a lost answer, though allowed (C8), is a violation of the rule "useful" unless
     /// caps().max_outstanding explains it; true for devices that lose answers on purpose.
     bool may_lose_answers = false;
+    /// By default read_depth must be what rays say. True for devices whose depth is a bound, never
+    /// nearer than what is drawn, as that of CpuFastDevice is.
+    bool depth_may_be_farther = false;
 };
 
 struct Violation {

@@ -119,7 +119,8 @@ void check_depth(Checker& checker, const RayCamera& camera, std::span<const Aabb
             const double read = static_cast<double>(depth[static_cast<size_t>(y * size.x + x)]);
             ++checker.report().depths_compared;
             checker.check("read_depth",
-                          read >= nearest - kDepthSlop && read <= farthest + kDepthSlop,
+                          read >= nearest - kDepthSlop && (checker.options().depth_may_be_farther ||
+                                                           read <= farthest + kDepthSlop),
                           world + ": pixel " + std::to_string(x) + ", " + std::to_string(y) +
                               " has depth " + std::to_string(read) + ", rays say " +
                               std::to_string(nearest) + " to " + std::to_string(farthest));

@@ -52,7 +52,8 @@ void add_stage_arguments(Command& command, RawStage& raw, bool several)
           .shows_default = true},
          {.name = "--device",
           .target = &stage.device,
-          .help = "Who draws and tests: gl or cpu (default: gl, or cpu where there is no OpenGL)"},
+          .help = "Who draws and tests: gl, cpu, or cpu_fast, where gl draws and the CPU tests "
+                  "(default: gl, or cpu where there is no OpenGL)"},
          {.name = "--test",
           .target = &stage.test,
           .help = "How boxes are tested: queries, raster (gl) or pyramid",

@@ -86,7 +86,9 @@ Result<std::string> list_text(const ListOptions& options)
     }
     if (options.what == "devices") {
         return std::string{"gl\n    OpenGL without a window; a software driver where there is no "
-                           "GPU\ncpu\n    a software renderer: slow, exact, needs no driver\n"};
+                           "GPU\ncpu\n    a software renderer: slow, exact, needs no driver\n"
+                           "cpu_fast\n    OpenGL draws; tests are answered at once by occluders "
+                           "rasterised on the CPU\n"};
     }
     if (options.what == "scenes") {
         return list_scenes();

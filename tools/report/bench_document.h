@@ -26,7 +26,7 @@ struct BenchDocument {
     uint64_t triangles = 0;
     std::vector<std::string> load_notes = {};  ///< what the loader assumed
     std::vector<std::string> load_losses = {}; ///< what the file holds and the scene does not
-    std::string device;                        ///< "gl" or "cpu"
+    std::string device;                        ///< "gl", "cpu" or "cpu_fast"
     std::string api;                           ///< the API and its version
     std::string renderer;                      ///< the driver's own name
     std::string hierarchy;                     ///< all kinds, between commas

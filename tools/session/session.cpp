@@ -4,6 +4,7 @@
 #include "measure/timing_device.h"
 #include "model/exact_split.h"
 #include "model/scene_options.h"
+#include "render/cpu_fast_renderer.h"
 #include "render/gl_renderer.h"
 #include "walk/paths.h"
 
@@ -27,9 +28,7 @@ static SceneOptions scene_options(const StageOptions& options)
     scene.item_triangles = options.item_triangles;
     scene.cache_folder = options.cache_folder ? std::filesystem::path{*options.cache_folder}
                                               : default_cache_folder();
-    if (options.split == "exact") {
-        scene.split = SceneOptions::Split::exact;
-    }
+    scene.split = options.split == "exact" ? SceneOptions::Split::exact : scene.split;
     return scene;
 }
 
@@ -43,14 +42,15 @@ static std::optional<TestMethod> test_method(std::string_view text)
     return std::nullopt;
 }
 
+static Error unknown(std::string_view option, std::string_view value, std::string_view choices)
+{
+    return {ErrorCode::unsupported,
+            fmt::format("{}: '{}' is not available in this version; choose {}", option, value,
+                        choices)};
+}
+
 Result<bool> check_stage_options(const StageOptions& options)
 {
-    const auto unknown = [](std::string_view option, std::string_view value,
-                            std::string_view choices) {
-        return Error{ErrorCode::unsupported,
-                     fmt::format("{}: '{}' is not available in this version; choose {}", option,
-                                 value, choices)};
-    };
     if (const auto trees = choose_hierarchies(options.hierarchy, options.sets); !trees) {
         return trees.error();
     }
@@ -63,8 +63,9 @@ Result<bool> check_stage_options(const StageOptions& options)
     if (options.split != "centroid" && options.split != "exact") {
         return unknown("--split", options.split, "centroid or exact");
     }
-    if (options.device && *options.device != "gl" && *options.device != "cpu") {
-        return unknown("--device", *options.device, "gl or cpu");
+    const std::string device = options.device.value_or("gl");
+    if (device != "gl" && device != "cpu" && device != "cpu_fast") {
+        return unknown("--device", device, "gl, cpu or cpu_fast");
     }
     if (options.device == "cpu" && options.samples > 1) {
         return Error{ErrorCode::unsupported,
@@ -156,10 +157,7 @@ Result<bool> Session::use_test(const std::string& method)
 {
     const auto known = test_method(method);
     if (!known) {
-        return Error{ErrorCode::unsupported,
-                     fmt::format("--test: '{}' is not available in this version; choose queries, "
-                                 "raster or pyramid",
-                                 method)};
+        return unknown("--test", method, "queries, raster or pyramid");
     }
     const std::string before = std::exchange(options_.test, method);
     auto chosen = choose_test();
@@ -276,11 +274,13 @@ Result<bool> Session::choose_test()
 Result<bool> Session::make_renderer(std::shared_ptr<GlContext> context, std::ostream& notes)
 {
     device_name_ = options_.device.value_or("gl");
-    if (device_name_ == "gl") {
+    if (device_name_ != "cpu") {
         auto renderer = make_gl_renderer(model_, scene_.items, options_.size, options_.samples,
                                          {.context = std::move(context)});
         if (renderer) {
-            renderer_ = std::move(*renderer);
+            renderer_ = device_name_ == "cpu_fast"
+                            ? make_cpu_fast_renderer(std::move(*renderer), model_, scene_.items)
+                            : std::move(*renderer);
             return choose_test();
         }
         if (options_.device || options_.samples > 1) {

@@ -51,7 +51,7 @@ public:
     /// The entries of --hierarchy, in their order.
     std::vector<std::string> tree_labels() const;
     SceneRenderer& renderer() { return *renderer_; }
-    /// "gl" or "cpu".
+    /// "gl", "cpu" or "cpu_fast".
     const std::string& device_name() const { return device_name_; }
     const StageOptions& options() const { return options_; }
     /// What was measured while the session was made, and since then where things move.

@@ -2,16 +2,13 @@
 
 #include <occlude/backends/cpu_fast/detail/mesh_setup.h>
 #include <occlude/backends/cpu_fast/detail/tile_raster.h>
+#include <occlude/backends/cpu_fast/detail/workers.h>
 #include <occlude/core/assert.h>
 #include <occlude/screen/depth_pyramid.h>
 #include <occlude/screen/projection.h>
 
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <vector>
 
 namespace occlude {
@@ -49,15 +46,12 @@ struct OccluderBuffer::State {
 
     void set_up(size_t batch);
     void fill(size_t tile);
-    template <class Work>
-    void for_each(size_t count, Work&& work);
     void refresh();
     PixelRect cells_of(const PixelRect& rect_px) const;
     Visibility test(const PixelRect& rect_px, float nearest) const;
 
     OccluderBufferOptions options;
-    size_t threads = 1;
-    std::optional<tbb::task_arena> arena;
+    cpu_fast::Workers workers;
     View view;
     cpu_fast::Grid grid;
     std::vector<Instance> pending;
@@ -72,15 +66,10 @@ struct OccluderBuffer::State {
 
 OccluderBuffer::State::State(const OccluderBufferOptions& given)
     : options(given)
+    , workers(given.threads)
 {
     options.cell_px = std::clamp(options.cell_px, 1, 16);
-    const int available = tbb::this_task_arena::max_concurrency();
-    threads = static_cast<size_t>(options.threads == 0 ? available
-                                                       : std::clamp(options.threads, 1, available));
-    if (threads > 1) {
-        arena.emplace(static_cast<int>(threads));
-    }
-    batches.resize(threads > 1 ? threads * kBatchesPerThread : 1);
+    batches.resize(workers.count() > 1 ? workers.count() * kBatchesPerThread : 1);
     setups.resize(batches.size());
 }
 
@@ -114,18 +103,6 @@ void OccluderBuffer::add(const OccluderMesh& mesh, const glm::mat4& world_from_m
     if (!state_->depth.empty() && !mesh.empty()) {
         state_->pending.push_back({&mesh, world_from_mesh});
     }
-}
-
-template <class Work>
-void OccluderBuffer::State::for_each(size_t count, Work&& work)
-{
-    if (threads == 1 || count == 1) {
-        for (size_t i = 0; i < count; ++i) {
-            work(i);
-        }
-        return;
-    }
-    arena->execute([&] { tbb::parallel_for(size_t{0}, count, work); });
 }
 
 // Transforms one batch of instances.
@@ -182,8 +159,8 @@ void OccluderBuffer::rasterize()
         }
     }
     s.batch_ends.push_back(s.pending.size());
-    s.for_each(s.batch_ends.size(), [&](size_t batch) { s.set_up(batch); });
-    s.for_each(s.grid.tile_count(), [&](size_t tile) { s.fill(tile); });
+    s.workers.for_each(s.batch_ends.size(), [&](size_t batch) { s.set_up(batch); });
+    s.workers.for_each(s.grid.tile_count(), [&](size_t tile) { s.fill(tile); });
     for (size_t i = 0; i < s.batch_ends.size(); ++i) {
         s.statistics.instances += s.batches[i].instances;
         s.statistics.triangles += s.batches[i].triangles;

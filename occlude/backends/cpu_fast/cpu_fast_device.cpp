@@ -1,0 +1,177 @@
+#include <occlude/backends/cpu_fast/cpu_fast_device.h>
+
+#include <occlude/core/assert.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace occlude {
+
+CpuFastDevice::CpuFastDevice(QueryDevice* renderer, const CpuFastScene& scene,
+                             const CpuFastDeviceOptions& options)
+    : renderer_(renderer)
+    , scene_(scene)
+    , options_(options)
+    , buffer_(options.buffer)
+{
+    caps_.name = "cpu_fast";
+    caps_.exact_counts = false;
+    caps_.read_depth = true;
+    caps_.max_outstanding = options.max_outstanding;
+    caps_.methods = {{.method = TestMethod::pyramid,
+                      .us_per_batch = 30.0f,
+                      .us_per_test = 0.05f,
+                      .us_per_box = 0.1f,
+                      .exact_counts = false}};
+    if (renderer_ != nullptr) {
+        caps_.us_per_triangle = renderer_->caps().us_per_triangle;
+        caps_.us_per_item = renderer_->caps().us_per_item;
+    }
+}
+
+Result<bool> CpuFastDevice::use_method(TestMethod method)
+{
+    if (method != TestMethod::automatic && method != TestMethod::pyramid) {
+        return Error{ErrorCode::unsupported,
+                     "the cpu_fast device tests by 'pyramid' alone; choose that, or the gl device"};
+    }
+    return true;
+}
+
+void CpuFastDevice::begin_frame(const View& view)
+{
+    OCCLUDE_ASSERT(!in_frame_, "begin_frame before the last frame ended (C1)");
+    in_frame_ = true;
+    triangles_left_ =
+        options_.max_triangles != 0 ? options_.max_triangles : std::numeric_limits<uint64_t>::max();
+    waiting_.clear();
+    buffer_.begin(view);
+    if (renderer_ != nullptr) {
+        renderer_->begin_frame(view);
+    }
+}
+
+void CpuFastDevice::draw(std::span<const ItemId> items, DrawPass pass)
+{
+    OCCLUDE_ASSERT(in_frame_, "draw outside of a frame (C1)");
+    if (!in_frame_) {
+        return;
+    }
+    if (renderer_ != nullptr) {
+        renderer_->draw(items, pass);
+    }
+    if (pass == DrawPass::shade_equal) {
+        return;
+    }
+    for (const ItemId id : items) {
+        const CpuFastItem item = scene_.item(id);
+        if (item.mesh != nullptr && !item.mesh->empty()) {
+            const auto triangles = static_cast<uint32_t>(item.mesh->triangles().size());
+            waiting_.push_back({item, triangles, 0.0f});
+        }
+    }
+}
+
+// Large, near and cheap occluders first: those with most pixels per triangle. What comes later in
+// the frame finds what is left of the budget.
+void CpuFastDevice::rasterize_waiting()
+{
+    if (waiting_.empty()) {
+        return;
+    }
+    for (Candidate& candidate : waiting_) {
+        const ScreenBounds bounds =
+            project(buffer_.view(),
+                    transformed(candidate.item.world_from_mesh, candidate.item.mesh->box()));
+        candidate.px_per_triangle = static_cast<float>(bounds.rect.width) *
+                                    static_cast<float>(bounds.rect.height) /
+                                    static_cast<float>(candidate.triangles);
+    }
+    std::erase_if(waiting_, [&](const Candidate& candidate) {
+        return !(candidate.px_per_triangle >= options_.min_px_per_triangle);
+    });
+    if (triangles_left_ != std::numeric_limits<uint64_t>::max()) {
+        std::ranges::sort(waiting_, std::greater{}, &Candidate::px_per_triangle);
+    }
+    for (const Candidate& candidate : waiting_) {
+        if (candidate.triangles <= triangles_left_) {
+            if (options_.max_triangles != 0) {
+                triangles_left_ -= candidate.triangles;
+            }
+            buffer_.add(*candidate.item.mesh, candidate.item.world_from_mesh);
+        }
+    }
+    waiting_.clear();
+    buffer_.rasterize();
+}
+
+// 0 samples if all boxes of the test are hidden or outside; lost if nothing is known of one.
+Answer CpuFastDevice::answer(std::span<const QueryBox> boxes, size_t first_bounds) const
+{
+    if (boxes.empty() || buffer_.depth().empty()) {
+        return Answer::lost();
+    }
+    bool seen = false;
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        if (!boxes[i].box.is_bounded()) {
+            return Answer::lost();
+        }
+        const ScreenBounds& bounds = bounds_[first_bounds + i];
+        seen = seen || !bounds.valid ||
+               buffer_.test(bounds.rect, bounds.near_depth) == Visibility::visible;
+    }
+    return Answer::ready(seen ? 1 : 0);
+}
+
+void CpuFastDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
+{
+    OCCLUDE_ASSERT(in_frame_, "query outside of a frame (C1)");
+    OCCLUDE_ASSERT(tickets.size() == batch.test_ends.size(), "one ticket per test");
+    std::ranges::fill(tickets, Ticket{});
+    if (!in_frame_) {
+        return;
+    }
+    rasterize_waiting();
+    bounds_.resize(batch.boxes.size());
+    project_query_boxes(buffer_.view(), batch.boxes, bounds_);
+    size_t begin = 0;
+    for (size_t i = 0; i < std::min(tickets.size(), batch.test_ends.size()); ++i) {
+        const size_t end = batch.test_ends[i];
+        OCCLUDE_ASSERT(begin < end && end <= batch.boxes.size(), "a test without boxes (C6)");
+        if (begin < end && end <= batch.boxes.size() && tickets_.size() < caps_.max_outstanding) {
+            tickets[i] = tickets_.add(answer(batch.boxes.subspan(begin, end - begin), begin));
+        }
+        begin = std::max(begin, end);
+    }
+}
+
+void CpuFastDevice::flush()
+{
+    if (renderer_ != nullptr) {
+        renderer_->flush();
+    }
+}
+
+Answer CpuFastDevice::wait(Ticket ticket)
+{
+    const Answer* found = tickets_.find(ticket);
+    const Answer answer = found != nullptr ? *found : Answer::lost();
+    tickets_.release(ticket);
+    return answer;
+}
+
+bool CpuFastDevice::read_depth(const PixelRect& rect, std::span<float> out)
+{
+    rasterize_waiting();
+    return buffer_.read_depth(rect, out);
+}
+
+void CpuFastDevice::end_frame()
+{
+    in_frame_ = false;
+    if (renderer_ != nullptr) {
+        renderer_->end_frame();
+    }
+}
+
+} // namespace occlude
