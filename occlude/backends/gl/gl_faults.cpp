@@ -19,7 +19,7 @@ std::string text(glm::ivec2 size)
 
 std::string place(glm::ivec2 pixel)
 {
-    return "(" + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) + ")";
+    return std::string{"("} + std::to_string(pixel.x) + ", " + std::to_string(pixel.y) + ")";
 }
 
 const char* cause_of(GLenum framebuffer_status)
