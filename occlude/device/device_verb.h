@@ -14,8 +14,8 @@ enum class DeviceVerb : uint8_t {
     poll,
     wait,
     read_depth,
-    read_depth_tiles,
     end_frame,
+    read_depth_tiles, ///< recordings keep the numbers, so that new verbs come last
 };
 
 /// "begin_frame", "draw", ...

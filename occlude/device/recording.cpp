@@ -196,7 +196,7 @@ void transfer_view(Archive<Stream>& archive, Call& call)
 template <class Stream, class Call>
 void transfer_question(Archive<Stream>& archive, Call& call)
 {
-    archive.choice(call.verb, DeviceVerb::end_frame);
+    archive.choice(call.verb, DeviceVerb::read_depth_tiles);
     archive.choice(call.pass, DrawPass::shade_equal);
     archive.choice(call.method, TestMethod::pyramid);
     if (call.verb == DeviceVerb::begin_frame) {

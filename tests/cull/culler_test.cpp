@@ -282,9 +282,13 @@ TEST(Culler, TellsItsHostOfAClockThatStandsStill)
 {
     const Hierarchy tree = test::row_tree(4);
     ScriptedDevice device;
-    device.script().caps.methods = {{TestMethod::queries, 1.0f, 1.0f, 1.0f}};
+    device.script().caps.read_depth = true;
     device.script().caps.us_per_triangle = 100.0f;
-    Adaptive culler(tree, {.method = AdaptiveOptions::Method::queries}, [] { return 7.0; });
+    device.script().depth = [](const PixelRect&, std::span<float> out) {
+        std::fill(out.begin(), out.end(), 0.992f);
+        return true;
+    };
+    Adaptive culler(tree, {.method = AdaptiveOptions::Method::pyramid}, [] { return 7.0; });
     std::string names;
     culler.set_message_handler(
         [&](const Message& message) { names += std::string(message.name) + " "; });

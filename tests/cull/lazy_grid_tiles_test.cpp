@@ -25,6 +25,10 @@ TEST(LazyGrid, TilesAreReadOfTheWholeTargetWhereTheDeviceHasThem)
         ScriptedDevice device;
         device.script().caps.read_depth = true;
         device.script().caps.depth_reads = {{.tile_px = 1}, {.tile_px = 8}};
+        device.script().depth = [&](const PixelRect&, std::span<float> out) {
+            std::fill(out.begin(), out.end(), depth);
+            return true;
+        };
         device.script().depth_tiles = [&](int, std::span<float> out) {
             std::fill(out.begin(), out.end(), depth);
             return true;
@@ -35,7 +39,8 @@ TEST(LazyGrid, TilesAreReadOfTheWholeTargetWhereTheDeviceHasThem)
         return device.frame_text(0);
     };
     EXPECT_EQ(frame_text(8, kBackOfItem0), "draw 0\nread_depth_tiles 8\n");
-    EXPECT_EQ(frame_text(16, 1.0f), "draw 0\nread_depth 0 0 64x64\n") << "it has no such tiles";
+    EXPECT_EQ(frame_text(16, kBackOfItem0), "draw 0\nread_depth 0 0 64x64\n")
+        << "it has no such tiles";
     EXPECT_EQ(frame_text(8, 1.0f), "draw 0\nread_depth_tiles 8\ndraw 1\nflush\nread_depth_tiles 8\n"
                                    "draw 2\nflush\nread_depth_tiles 8\ndraw 3\n")
         << "drawing makes tiles outdated";

@@ -58,7 +58,8 @@ TEST(TwoPhase, ReadsTilesWhereTheDeviceHasThemAndPixelsElsewhere)
     DeviceScript script = depth_everywhere(depth);
     script.caps.depth_reads = {{.tile_px = 1}, {.tile_px = 8}, {.tile_px = 128}};
     script.depth_tiles = [&](int tile_px, std::span<float> out) {
-        EXPECT_EQ(out.size(), static_cast<size_t>((64 / tile_px) * (64 / tile_px)));
+        const glm::ivec2 tiles = tiles_in({64, 64}, tile_px);
+        EXPECT_EQ(out.size(), static_cast<size_t>(tiles.x * tiles.y));
         std::fill(out.begin(), out.end(), depth);
         return true;
     };

@@ -43,6 +43,10 @@ public:
     {
         return inner_.read_depth(rect, out);
     }
+    bool read_depth_tiles(int tile_px, std::span<float> out) override
+    {
+        return inner_.read_depth_tiles(tile_px, out);
+    }
     void end_frame() override { inner_.end_frame(); }
 
     uint64_t raster_batches() const { return raster_batches_; }

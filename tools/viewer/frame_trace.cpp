@@ -138,6 +138,14 @@ bool TraceDevice::read_depth(const PixelRect& rect, std::span<float> out)
     return read;
 }
 
+bool TraceDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    TracedCall& call = add(DeviceVerb::read_depth_tiles);
+    const bool read = inner_->read_depth_tiles(tile_px, out);
+    call.end_s = clock_();
+    return read;
+}
+
 void TraceDevice::end_frame()
 {
     TracedCall& call = add(DeviceVerb::end_frame);

@@ -71,6 +71,7 @@ public:
     Answer poll(Ticket ticket) override;
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
 private:

@@ -36,6 +36,7 @@ std::optional<Lane> lane_of(DeviceVerb verb)
     case DeviceVerb::end_frame:
         return Lane::wait;
     case DeviceVerb::read_depth:
+    case DeviceVerb::read_depth_tiles:
         return Lane::read;
     }
     return std::nullopt;
