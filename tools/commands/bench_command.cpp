@@ -2,7 +2,9 @@
 #include "measure/measure.h"
 #include "measure/verify.h"
 #include "replay/replay.h"
+#include "report/headline.h"
 #include "report/table.h"
+#include "session/worst_frames.h"
 
 #include <ostream>
 
@@ -58,6 +60,25 @@ Result<std::optional<OutputFile>> open_record(const CompareOptions& options)
     return std::optional<OutputFile>{std::move(*file)};
 }
 
+// Pictures of the worst frames of the run that the report speaks of.
+Result<bool> add_pictures(Session& session, std::span<const Contender> contenders,
+                          BenchDocument& document)
+{
+    constexpr size_t kFrames = 2;
+    const auto chosen = chosen_run(document);
+    const auto cameras = session.cameras(document.path);
+    if (!chosen || !cameras) {
+        return true;
+    }
+    auto pictures = picture_worst_frames(session, contenders[*chosen], document.runs[*chosen],
+                                         *cameras, kFrames);
+    if (!pictures) {
+        return pictures.error();
+    }
+    document.pictures = std::move(*pictures);
+    return true;
+}
+
 Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions& options,
                                   const std::optional<OutputFile>& record_file,
                                   const Streams& streams)
@@ -100,6 +121,11 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
             return verified.error();
         }
         take_verdicts(document.runs, *verified);
+    }
+    if (!options.html.empty()) {
+        if (const auto pictured = add_pictures(**session, *contenders, document); !pictured) {
+            return pictured.error();
+        }
     }
     if (record_file) {
         const auto recorded = record_scene(**session, *contenders, *views, *record_file, streams);

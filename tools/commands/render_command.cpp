@@ -21,10 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Frames culled before the first picture, so that temporal state is what it would be there. Every
-// algorithm here has forgotten what happened longer ago.
-constexpr size_t kLeadIn = 30;
-
 struct Plan {
     FrameRange frames;
     bool many = false; ///< into a directory
@@ -124,19 +120,6 @@ Result<std::unique_ptr<Culler>> make_chosen_culler(Session& session, const Rende
     return contenders->front().make(session.hierarchy());
 }
 
-void cull_frame(Session& session, Culler& culler, const View& view, size_t frame)
-{
-    const Stage stage = session.stage();
-    set_frame(stage, frame);
-    std::vector<ItemId> owners;
-    if (needs_answer(culler)) {
-        const std::vector<ItemId> items = items_in_frustum(view, stage.item_bounds);
-        owners = owners_of_pixels(stage.renderer.render_ids(view, items));
-    }
-    record_answer(culler, view, stage.renderer.device(), owners);
-    culler.cull(view, stage.renderer.device());
-}
-
 Result<int> render_frames(Session& session, Culler& culler, std::span<const Camera> cameras,
                           const RenderOptions& options, const Plan& plan, const Streams& streams)
 {
@@ -146,9 +129,9 @@ Result<int> render_frames(Session& session, Culler& culler, std::span<const Came
     if (plan.overview) {
         observer = overview_camera(session.model(), cameras[plan.frames.first], options.stage.size);
     }
-    const size_t start = plan.frames.first - std::min(plan.frames.first, kLeadIn);
+    const size_t start = plan.frames.first - std::min(plan.frames.first, kLeadInFrames);
     for (size_t frame = start; frame <= plan.frames.last; ++frame) {
-        cull_frame(session, culler, make_view(cameras[frame], options.stage.size), frame);
+        cull_for_picture(session, culler, make_view(cameras[frame], options.stage.size), frame);
         if (frame < plan.frames.first) {
             continue;
         }

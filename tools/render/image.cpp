@@ -54,15 +54,48 @@ Result<bool> write_png(const std::filesystem::path& path, const Image& image)
         return Error{ErrorCode::invalid_argument,
                      "cannot write '" + path.string() + "': the image has no pixels"};
     }
-    const std::vector<uint8_t> bytes = rgb_top_down(image);
-    std::string encoded;
-    stbi_write_png_to_func(append, &encoded, image.size.x, image.size.y, 3, bytes.data(),
-                           image.size.x * 3);
     auto file = OutputFile::open(path);
     if (!file) {
         return file.error();
     }
-    return file->commit(encoded);
+    return file->commit(encode_png(image));
+}
+
+std::string encode_png(const Image& image)
+{
+    const std::vector<uint8_t> bytes = rgb_top_down(image);
+    std::string encoded;
+    stbi_write_png_to_func(append, &encoded, image.size.x, image.size.y, 3, bytes.data(),
+                           image.size.x * 3);
+    return encoded;
+}
+
+Image shrunk(const Image& image, int max_width)
+{
+    const int factor = (image.size.x + max_width - 1) / max_width;
+    if (factor <= 1) {
+        return image;
+    }
+    const auto area = static_cast<uint32_t>(factor * factor);
+    Image small{image.size / factor, {}};
+    small.pixels.reserve(static_cast<size_t>(small.size.x) * static_cast<size_t>(small.size.y));
+    for (int y = 0; y < small.size.y; ++y) {
+        for (int x = 0; x < small.size.x; ++x) {
+            uint32_t pixel = 0;
+            for (uint32_t shift = 0; shift < 32; shift += 8) {
+                uint32_t sum = area / 2; // rounds to the nearest
+                for (int i = 0; i < factor * factor; ++i) {
+                    const int row = y * factor + i / factor;
+                    const int column = x * factor + i % factor;
+                    sum += image.pixels[static_cast<size_t>(row * image.size.x + column)] >> shift &
+                           0xffu;
+                }
+                pixel |= sum / area << shift;
+            }
+            small.pixels.push_back(pixel);
+        }
+    }
+    return small;
 }
 
 uint64_t count_differences(const Image& a, const Image& b)

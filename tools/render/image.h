@@ -7,12 +7,20 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 namespace occlude::tools {
 
 /// Writes an opaque 8-bit RGB PNG with row 0 at the bottom of the picture; alpha is dropped. Fails
 /// if the image is empty or the file cannot be written.
 Result<bool> write_png(const std::filesystem::path& path, const Image& image);
+
+/// The bytes of such a PNG. Precondition: the image has pixels.
+std::string encode_png(const Image& image);
+
+/// The image made smaller by the least whole factor that brings it to at most `max_width` pixels;
+/// each pixel is the mean of those that it covers. What is left of a row or column is cut off.
+Image shrunk(const Image& image, int max_width);
 
 /// Pixels that differ in any channel; all of them (of the larger image) if the sizes differ.
 uint64_t count_differences(const Image& a, const Image& b);

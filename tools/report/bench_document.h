@@ -19,6 +19,14 @@ struct Preparation {
     uint64_t uncut_triangles = 0;            ///< of the scene before meshes were cut
 };
 
+/// Pictures of one frame, for the report.
+struct FramePicture {
+    size_t frame = 0;      ///< of the path
+    std::string algorithm; ///< the one that culled it
+    std::string caption;
+    std::string png; ///< the bytes of a PNG file
+};
+
 struct BenchDocument {
     std::string scene;
     uint64_t objects = 0;
@@ -45,6 +53,7 @@ struct BenchDocument {
     std::string entry; ///< of a suite; empty: of none
     std::string date;  ///< of a suite's run, YYYY-MM-DD
     std::vector<AlgorithmRun> runs;
+    std::vector<FramePicture> pictures = {}; ///< of the worst frames; only in HTML
 
     /// True if answers come at once, so that what is decided depends on nothing but the frames.
     bool deterministic() const { return device == "cpu"; }

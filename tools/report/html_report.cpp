@@ -1,8 +1,10 @@
 #include "report/html_report.h"
 
 #include "measure/verify.h"
-#include "report/chart_js.h"
+#include "report/headline.h"
+#include "report/html_text.h"
 #include "report/json_report.h"
+#include "report/page_parts.h"
 #include "report/table.h"
 
 #include <fmt/format.h>
@@ -14,119 +16,189 @@ namespace occlude::tools {
 
 namespace {
 
-constexpr const char* kStyle = R"(
-body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 72rem; padding: 0 1rem;
-       color: #1b1f24; background: #fff; }
-h1 { font-size: 1.6rem; } h2 { margin-top: 2.5rem; }
-table { border-collapse: collapse; width: 100%; margin: 1rem 0; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .6rem; text-align: right; border-bottom: 1px solid #d8dee4; }
-th:first-child, td:first-child { text-align: left; }
-dl { display: grid; grid-template-columns: max-content auto; gap: .1rem 1rem; }
-dt { color: #57606a; } dd { margin: 0; }
-.bad { color: #b3261e; font-weight: 600; } .good { color: #1a7f37; }
-figure { margin: 1.5rem 0; } figcaption { color: #57606a; }
-.plot { position: relative; height: 22rem; }
-.wide { overflow-x: auto; } .wide th, .wide td { white-space: nowrap; }
-)";
-
-// Draws the two plots of every document from the JSON that is in the page.
-constexpr const char* kScript = R"(
-const parsed = JSON.parse(document.getElementById('occlude-data').textContent);
-const documents = Array.isArray(parsed) ? parsed : [parsed];
-const colors = ['#6e7781', '#0969da', '#bf3989', '#1a7f37', '#bc4c00', '#8250df', '#9a6700',
-                '#0a3069', '#cf222e', '#116329', '#e16f24', '#6639ba', '#1b7c83', '#953800',
-                '#db61a2', '#57606a'];
-Chart.defaults.animation = false;
-documents.forEach((doc, index) => {
-  const runs = doc.runs.filter(run => run.frame_ms.median !== null);
-  if (runs.length === 0) { return; }
-  const several = runs.some(run => run.hierarchy !== runs[0].hierarchy);
-  const label = run => run.algorithm + (several ? ' on ' + run.hierarchy : '');
-  new Chart(document.getElementById('bars-' + index), {
-    type: 'bar',
-    data: { labels: runs.map(label),
-            datasets: [
-              { label: 'median', data: runs.map(run => run.frame_ms.median),
-                backgroundColor: runs.map((_, i) => colors[i % colors.length]) },
-              { label: '99th percentile', data: runs.map(run => run.frame_ms.p99),
-                backgroundColor: '#d0d7de' }] },
-    options: { maintainAspectRatio: false, indexAxis: 'y',
-               scales: { x: { beginAtZero: true, title: { display: true, text: 'ms per frame' } } } }
-  });
-  new Chart(document.getElementById('lines-' + index), {
-    type: 'line',
-    data: { labels: runs[0].frames.map(frame => frame.frame),
-            datasets: runs.map((run, i) => ({
-              label: label(run), data: run.frames.map(frame => frame.frame_ms),
-              borderColor: colors[i % colors.length],
-              backgroundColor: colors[i % colors.length], borderWidth: 1.5, pointRadius: 0 })) },
-    options: { maintainAspectRatio: false, interaction: { mode: 'index', intersect: false },
-               scales: { x: { title: { display: true, text: 'frame' } },
-                         y: { beginAtZero: true, title: { display: true, text: 'ms' } } } }
-  });
-});
-)";
-
-std::string figure(double value, int decimals)
+// A figure that the JSON holds, too: `key` leads to it from its run. The script of the tests
+// compares both.
+std::string figure(std::string_view tag, size_t run, std::string_view key, double value,
+                   int decimals)
 {
-    return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "&ndash;";
+    const std::string text =
+        std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "&ndash;";
+    return fmt::format("<{0} data-run=\"{1}\" data-key=\"{2}\">{3}</{0}>", tag, run, key, text);
 }
 
-std::string cell(std::string_view content)
+std::string figure_cell(size_t run, std::string_view key, double value, int decimals)
 {
-    return fmt::format("<td>{}</td>", content);
+    return figure("td", run, key, value, decimals);
 }
 
-std::string pixels_cell(const Summary& summary)
+std::string pixels_cell(size_t run, const Summary& summary)
 {
     if (!summary.verified) {
-        return cell("not compared");
+        return "<td>not compared</td>";
     }
     const bool equal = summary.differing_pixels == 0;
-    return fmt::format("<td class=\"{}\">{}</td>", equal ? "good" : "bad",
-                       grouped(summary.differing_pixels));
+    return fmt::format("<td data-run=\"{}\" data-key=\"differing_pixels\" class=\"{}\">{}</td>",
+                       run, equal ? "good" : "bad", grouped(summary.differing_pixels));
 }
 
-std::string run_row(const AlgorithmRun& run, bool with_hierarchy)
+std::string headings(std::span<const char* const> names)
+{
+    std::string html = "<thead><tr>";
+    for (const char* name : names) {
+        html += fmt::format("<th>{}</th>", name);
+    }
+    return html + "</tr></thead><tbody>\n";
+}
+
+// The first sentence, for a reader who reads no other.
+std::string headline(const BenchDocument& document, std::optional<size_t> chosen)
+{
+    constexpr double kPays = 1.05;
+    if (!chosen) {
+        return "<p class=\"headline\">No exact algorithm was timed beside frustum culling.</p>\n";
+    }
+    const AlgorithmRun& run = document.runs[*chosen];
+    const Summary summary = summarise(run);
+    const std::string speed =
+        figure("b", *chosen, "speedup_vs_frustum", summary.speedup_vs_frustum, 2);
+    std::string html = fmt::format(
+        "<p class=\"headline\">On {}, on this machine, <b>{}</b> draws the same pixels {} times as "
+        "fast as frustum culling",
+        html_escaped(document.scene), html_escaped(run.algorithm), speed);
+    if (const auto ideal = ideal_run(document, *chosen)) {
+        html += fmt::format("; the limit is {}",
+                            figure("b", *ideal, "speedup_vs_frustum",
+                                   summarise(document.runs[*ideal]).speedup_vs_frustum, 2));
+    }
+    html += summary.speedup_vs_frustum < kPays ? ". Culling does not pay here." : ".";
+    if (!summary.verified) {
+        html += " The pixels are promised; <code>--verify</code> compares them.";
+    } else if (summary.differing_pixels == 0) {
+        html += fmt::format(" All pixels of {} were compared: none differs.",
+                            counted(summary.compared_frames, "frame"));
+    } else {
+        html += fmt::format(" <span class=\"bad\">But {} pixels differ.</span>",
+                            grouped(summary.differing_pixels));
+    }
+    return html + "</p>\n";
+}
+
+std::string brief_table(const BenchDocument& document, std::optional<size_t> chosen)
+{
+    constexpr std::array<const char*, 5> kHeadings = {"algorithm", "ms a frame", "speed-up",
+                                                      "time / ideal", "differing pixels"};
+    std::string html = "<div class=\"wide\"><table class=\"brief\">" + headings(kHeadings);
+    const bool several = on_several_hierarchies(document.runs);
+    for (size_t i = 0; i < document.runs.size(); ++i) {
+        const Summary s = summarise(document.runs[i]);
+        html += fmt::format("<tr{}><th>{}</th>", i == chosen ? " class=\"chosen\"" : "",
+                            html_escaped(run_label(document.runs[i], several))) +
+                figure_cell(i, "frame_ms.median", s.frame_ms.median, 2) +
+                figure_cell(i, "speedup_vs_frustum", s.speedup_vs_frustum, 2) +
+                figure_cell(i, "ratio_to_ideal", s.ratio_to_ideal, 2) + pixels_cell(i, s) +
+                "</tr>\n";
+    }
+    return html + "</tbody></table></div>\n"
+                  "<p class=\"note\">Milliseconds are medians. The speed-up is against "
+                  "<i>frustum</i>, which draws all that is in view; <i>ideal</i> draws what owns a "
+                  "pixel, known beforehand, and <i>opt</i> the visible leaves of the tree.</p>\n";
+}
+
+std::string counters_row(const AlgorithmRun& run, size_t i, bool with_hierarchy)
 {
     const Summary s = summarise(run);
-    const auto per_frame = [&](uint64_t total) { return cell(figure(s.per_frame(total), 1)); };
-    return "<tr>" + cell(html_escaped(run_label(run, with_hierarchy))) +
-           cell(to_string(run.guarantee)) + cell(figure(s.frame_ms.median, 2)) +
-           cell(figure(s.frame_ms.p99, 2)) + cell(figure(s.speedup_vs_frustum, 2)) +
-           cell(figure(s.ratio_to_opt, 2)) + cell(figure(s.ratio_to_ideal, 2)) +
-           per_frame(s.total.queries) + per_frame(s.total.boxes) +
-           per_frame(s.total.multiqueries_failed) + per_frame(s.total.state_changes) +
-           per_frame(s.total.draw_calls) + per_frame(s.total.items_drawn) +
-           per_frame(s.total.triangles_drawn) + per_frame(s.total.waits) +
-           cell(figure(s.wait_ms, 2)) + cell(figure(s.cull_cpu_ms, 2)) + pixels_cell(s) + "</tr>\n";
+    const auto mean = [&](const char* counter, uint64_t total) {
+        return figure_cell(i, fmt::format("per_frame.{}", counter), s.per_frame(total), 1);
+    };
+    return fmt::format("<tr><th>{}</th><td>{}</td>", html_escaped(run_label(run, with_hierarchy)),
+                       to_string(run.guarantee)) +
+           figure_cell(i, "frame_ms.median", s.frame_ms.median, 2) +
+           figure_cell(i, "frame_ms.p99", s.frame_ms.p99, 2) +
+           figure_cell(i, "frame_ms.max", s.frame_ms.max, 2) +
+           figure_cell(i, "ratio_to_opt", s.ratio_to_opt, 2) + mean("queries", s.total.queries) +
+           mean("boxes", s.total.boxes) + mean("multiqueries_failed", s.total.multiqueries_failed) +
+           mean("state_changes", s.total.state_changes) + mean("draw_calls", s.total.draw_calls) +
+           mean("items_drawn", s.total.items_drawn) +
+           mean("triangles_drawn", s.total.triangles_drawn) + mean("waits", s.total.waits) +
+           figure_cell(i, "per_frame.wait_ms", s.wait_ms, 2) +
+           figure_cell(i, "per_frame.cull_cpu_ms", s.cull_cpu_ms, 2) + "</tr>\n";
 }
 
-std::string runs_table(const BenchDocument& document)
+std::string counters_table(const BenchDocument& document)
 {
-    constexpr std::array<const char*, 18> kHeadings = {
-        "algorithm", "promise",   "median ms", "p99 ms",       "speed-up",      "vs opt",
-        "vs ideal",  "queries",   "boxes",     "failed multi", "state changes", "draw calls",
-        "items",     "triangles", "waits",     "wait ms",      "cull CPU ms",   "differing px"};
-    std::string html = "<div class=\"wide\"><table><thead><tr>";
-    for (const char* heading : kHeadings) {
-        html += fmt::format("<th>{}</th>", heading);
-    }
-    html += "</tr></thead><tbody>\n";
+    constexpr std::array<const char*, 16> kHeadings = {
+        "algorithm", "promise", "median ms",     "p99 ms",        "max ms",     "time / opt",
+        "queries",   "boxes",   "failed multi.", "state changes", "draw calls", "items",
+        "triangles", "waits",   "wait ms",       "cull CPU ms"};
+    std::string html =
+        "<details class=\"counters\"><summary>All counters, means per frame</summary>"
+        "\n<div class=\"wide\" tabindex=\"0\"><table>" +
+        headings(kHeadings);
     const bool several = on_several_hierarchies(document.runs);
-    for (const AlgorithmRun& run : document.runs) {
-        html += run_row(run, several);
+    for (size_t i = 0; i < document.runs.size(); ++i) {
+        html += counters_row(document.runs[i], i, several);
     }
-    return html + "</tbody></table></div>\n<p>Counters are means per frame. Speed-up is against "
-                  "<i>frustum</i>; the ratios are times against <i>opt</i> (the visible leaves "
-                  "known beforehand) and <i>ideal</i> (the visible items known beforehand); all "
-                  "three are formed per frame, then the median is taken.</p>\n";
+    return html + "</tbody></table></div></details>\n";
 }
 
-// "1 frame", "24 frames".
-std::string counted(size_t count, std::string_view thing)
+std::string plots(size_t index, const std::string& chosen)
 {
-    return fmt::format("{} {}{}", count, thing, count == 1 ? "" : "s");
+    constexpr std::array<std::array<const char*, 2>, 5> kPlots = {
+        {{"time", "Time of every frame along the path"},
+         {"ratio", "Time against the ideal: 1 is the limit"},
+         {"queries", "Occlusion queries of every frame"},
+         {"triangles", "Triangles drawn in every frame"},
+         {"distribution", "How many frames take how long"}}};
+    std::string html = fmt::format("<div id=\"plots-{0}\" data-chosen=\"{1}\">\n<div "
+                                   "class=\"toggles\" id=\"toggles-{0}\"></div>\n",
+                                   index, html_escaped(chosen));
+    for (const auto& [id, caption] : kPlots) {
+        html += fmt::format("<figure><figcaption>{1}</figcaption><div class=\"plot\">"
+                            "<canvas id=\"{0}-{2}\" role=\"img\" aria-label=\"{1}\"></canvas>"
+                            "</div></figure>\n",
+                            id, caption, index);
+    }
+    return html + "</div>\n";
+}
+
+std::string pictures(const BenchDocument& document)
+{
+    std::string html;
+    for (const FramePicture& picture : document.pictures) {
+        html += fmt::format("<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\">"
+                            "<figcaption>{0}</figcaption></figure>\n",
+                            html_escaped(fmt::format("Frame {}, {}: {}", picture.frame,
+                                                     picture.algorithm, picture.caption)),
+                            base64(picture.png));
+    }
+    return html.empty() ? html : "<div class=\"pictures\">\n" + html + "</div>\n";
+}
+
+// The frames in which the chosen run gains least, with pictures of the worst.
+std::string worst(const BenchDocument& document, size_t run)
+{
+    constexpr size_t kFrames = 3;
+    constexpr std::array<const char*, 5> kHeadings = {"frame", "ms", "speed-up", "queries",
+                                                      "triangles"};
+    const std::vector<FrameFigures>& frames = document.runs[run].frames;
+    std::string html = fmt::format("<h3>The worst frames of {}</h3>\n<table>",
+                                   html_escaped(document.runs[run].algorithm)) +
+                       headings(kHeadings);
+    for (const size_t place : worst_frames(document.runs[run], kFrames)) {
+        const FrameFigures& frame = frames[place];
+        const auto key = [&](const char* name) { return fmt::format("frames.{}.{}", place, name); };
+        const auto count = [&](const char* name, uint64_t value) {
+            return fmt::format("<td data-run=\"{}\" data-key=\"{}\">{}</td>", run, key(name),
+                               grouped(value));
+        };
+        html += fmt::format("<tr><th data-run=\"{}\" data-key=\"{}\">{}</th>", run, key("frame"),
+                            frame.frame) +
+                figure_cell(run, key("frame_ms"), frame.frame_ms, 2) +
+                figure_cell(run, key("speedup_vs_frustum"), frame.speedup_vs_frustum, 2) +
+                count("queries", frame.counters.queries) +
+                count("triangles_drawn", frame.counters.triangles_drawn) + "</tr>\n";
+    }
+    return html + "</tbody></table>\n" + pictures(document);
 }
 
 std::string environment(const BenchDocument& d)
@@ -136,15 +208,39 @@ std::string environment(const BenchDocument& d)
     const auto entry = [](std::string_view name, std::string_view value) {
         return fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, html_escaped(value));
     };
-    return "<dl>\n" +
-           entry("scene", fmt::format("{} objects, {} items, {} triangles", grouped(d.objects),
-                                      grouped(d.items), grouped(d.triangles))) +
-           entry("path", d.path + ", " + counted(d.frames, "frame") + measured + ", walked " +
-                             counted(d.repeat, "time")) +
-           entry("image", fmt::format("{} x {}, {} a pixel", d.size.x, d.size.y,
-                                      counted(static_cast<size_t>(d.samples), "sample"))) +
-           entry("device", fmt::format("{}: {}", d.api, d.renderer)) +
-           entry("hierarchy", d.hierarchy) + entry("test", d.test) + "</dl>\n";
+    std::string html =
+        "<h3>Scene, device and settings</h3>\n<dl>\n" +
+        entry("scene", fmt::format("{} objects, {} items, {} triangles", grouped(d.objects),
+                                   grouped(d.items), grouped(d.triangles))) +
+        entry("path", d.path + ", " + counted(d.frames, "frame") + measured + ", walked " +
+                          counted(d.repeat, "time")) +
+        entry("image", fmt::format("{} x {}, {} a pixel", d.size.x, d.size.y,
+                                   counted(static_cast<size_t>(d.samples), "sample"))) +
+        entry("device", fmt::format("{}: {}", d.api, d.renderer)) +
+        entry("hierarchy", d.hierarchy) + entry("test", d.test) +
+        entry("leaves", fmt::format("of up to {} triangles", grouped(d.leaf_triangles))) +
+        entry("items", fmt::format("of up to {} triangles, cut by {}", grouped(d.item_triangles),
+                                   d.split.empty() ? "centroid" : d.split));
+    for (const std::string& set : d.sets) {
+        html += entry("option", set);
+    }
+    return html + "</dl>\n";
+}
+
+std::string method(const BenchDocument& d)
+{
+    return fmt::format(
+        "<details class=\"counters\"><summary>How it was measured</summary>\n<p>Every algorithm "
+        "culls every frame of the path with a state of its own. They take turns frame by frame, in "
+        "an order that rotates, so that a machine that slows down slows all of them. Shaders are "
+        "warmed up first, and a frame ends when the device has finished it. A frame's time is the "
+        "median of {}. Speed-ups and ratios are formed frame by frame; the table shows their "
+        "medians over all frames.{}</p></details>\n",
+        counted(d.repeat, "walk"),
+        summarise(d.runs.front()).verified
+            ? " In a walk of its own, which is not timed, every pixel is compared with the picture "
+              "of frustum culling."
+            : "");
 }
 
 std::string list_of_differences(const AlgorithmRun& run)
@@ -198,66 +294,42 @@ std::string contents(std::span<const BenchDocument> documents)
 
 std::string section(const BenchDocument& document, size_t index)
 {
-    return fmt::format("<h2 id=\"section-{}\">{}</h2>\n{}"
-                       "<figure><div class=\"plot\"><canvas id=\"bars-{}\"></canvas></div>"
-                       "<figcaption>Time of a frame, by algorithm</figcaption></figure>\n"
-                       "<figure><div class=\"plot\"><canvas id=\"lines-{}\"></canvas></div>"
-                       "<figcaption>Time of every frame along the path</figcaption></figure>\n",
-                       index, title(document), environment(document), index, index) +
-           runs_table(document) + differences(document);
-}
-
-// JSON inside a script element must not end it.
-std::string json_for_script(std::span<const BenchDocument> documents)
-{
-    std::string json = json_report(documents);
-    for (size_t at = 0; (at = json.find("</", at)) != std::string::npos; at += 3) {
-        json.insert(at + 1, 1, '\\');
+    const std::optional<size_t> chosen = chosen_run(document);
+    std::string html =
+        fmt::format("<section data-document=\"{0}\">\n<h2 id=\"section-{0}\">{1}</h2>\n", index,
+                    title(document)) +
+        headline(document, chosen) + brief_table(document, chosen) + differences(document) +
+        plots(index, chosen ? document.runs[*chosen].algorithm : "");
+    if (chosen) {
+        html += worst(document, *chosen);
     }
-    return json;
+    html += environment(document);
+    if (!document.runs.empty()) {
+        html += method(document) + counters_table(document);
+    }
+    return html + "</section>\n";
 }
 
 } // namespace
-
-std::string html_escaped(std::string_view text)
-{
-    std::string escaped;
-    for (const char c : text) {
-        switch (c) {
-        case '&':
-            escaped += "&amp;";
-            break;
-        case '<':
-            escaped += "&lt;";
-            break;
-        case '>':
-            escaped += "&gt;";
-            break;
-        case '"':
-            escaped += "&quot;";
-            break;
-        default:
-            escaped += c;
-        }
-    }
-    return escaped;
-}
 
 std::string html_report(std::span<const BenchDocument> documents)
 {
     std::string html = "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
                        "<meta name=\"viewport\" content=\"width=device-width\">\n"
                        "<title>occlude: occlusion culling measured</title>\n<style>";
-    html += kStyle;
+    html += report_css();
     html += "</style></head><body>\n<h1>Occlusion culling, measured</h1>\n" + contents(documents);
     for (size_t i = 0; i < documents.size(); ++i) {
         html += section(documents[i], i);
     }
-    html += "<script type=\"application/json\" id=\"occlude-data\">" + json_for_script(documents) +
-            "</script>\n<script>";
+    html += "<p class=\"downloads\"><a class=\"button\" id=\"save-json\" href=\"#\" "
+            "download=\"occlude.json\">Raw data (JSON)</a> <a class=\"button\" id=\"save-csv\" "
+            "href=\"#\" download=\"occlude.csv\">Every frame (CSV)</a></p>\n"
+            "<script type=\"application/json\" id=\"occlude-data\">" +
+            json_for_script(json_report(documents)) + "</script>\n<script>";
     html += chart_js();
     html += "</script>\n<script>";
-    html += kScript;
+    html += report_js();
     html += "</script>\n</body></html>\n";
     return html;
 }

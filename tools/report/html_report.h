@@ -7,11 +7,10 @@
 
 namespace occlude::tools {
 
-/// Per document: what was measured on, bars of medians, lines of frame times, a table of counters,
-/// and what differed. The numbers are in it as JSON too (the element with id "occlude-data").
+/// Per document: a sentence that sums it up, times and pixels by algorithm, plots over the path,
+/// the worst frames with the document's pictures, scene, device and settings, how it was measured,
+/// all counters. The numbers are in it as JSON too (the element with id "occlude-data"), and can be
+/// saved from it as JSON and CSV.
 std::string html_report(std::span<const BenchDocument> documents);
-
-/// `text` with the characters that mean something in HTML replaced.
-std::string html_escaped(std::string_view text);
 
 } // namespace occlude::tools

@@ -221,6 +221,19 @@ std::array<glm::vec3, 24> frustum_edges(const View& view, float reach)
     return edges_of(corners);
 }
 
+void cull_for_picture(Session& session, Culler& culler, const View& view, size_t frame)
+{
+    const Stage stage = session.stage();
+    set_frame(stage, frame);
+    std::vector<ItemId> owners;
+    if (needs_answer(culler)) {
+        const std::vector<ItemId> items = items_in_frustum(view, stage.item_bounds);
+        owners = owners_of_pixels(stage.renderer.render_ids(view, items));
+    }
+    record_answer(culler, view, stage.renderer.device(), owners);
+    culler.cull(view, stage.renderer.device());
+}
+
 Image draw_picture(Session& session, const Culler& culler, const Camera& camera, Show show,
                    const std::optional<Camera>& observer)
 {

@@ -32,6 +32,13 @@ std::array<glm::vec3, 24> box_edges(const Aabb& box);
 /// The end points of the 12 edges of a view's frustum, cut off `reach` world units from the eye.
 std::array<glm::vec3, 24> frustum_edges(const View& view, float reach);
 
+/// Frames to cull before the first picture, so that temporal state is what it would be there. Every
+/// algorithm here has forgotten what happened longer ago.
+inline constexpr size_t kLeadInFrames = 30;
+
+/// Culls a frame of a path on the session's renderer, telling yardsticks what owns a pixel.
+void cull_for_picture(Session& session, Culler& culler, const View& view, size_t frame);
+
 /// The picture of the frame that `culler` has just culled for `camera` on the session's renderer:
 /// as that camera sees it, or as an observer does, with the camera's frustum in white lines.
 Image draw_picture(Session& session, const Culler& culler, const Camera& camera, Show show,

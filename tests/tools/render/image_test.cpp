@@ -45,6 +45,19 @@ TEST(Image, EmptyImageIsAnError)
     EXPECT_FALSE(write_png(testing::TempDir() + "occlude_empty.png", Image{{2, 2}, {1u}}));
 }
 
+TEST(Image, ShrinksByTheMeanOfWholeBlocks)
+{
+    // To at most 2 pixels wide: by blocks of 3 x 3, and the last two columns are cut off.
+    Image image{{5, 6}, std::vector<uint32_t>(30, 0xff000000u)};
+    for (size_t i = 0; i < image.pixels.size(); ++i) {
+        image.pixels[i] |= i % 5 == 0 ? 90u : 0u; // red in the first column
+    }
+    const Image small = shrunk(image, 2);
+    EXPECT_EQ(small.size, (glm::ivec2{1, 2}));
+    EXPECT_EQ(small.pixels, std::vector<uint32_t>(2, 0xff00001eu)); // a third of 90
+    EXPECT_EQ(shrunk(image, 5).pixels, image.pixels);
+}
+
 TEST(Image, DifferencesAreCountedPerPixel)
 {
     const Image a = two_by_three();

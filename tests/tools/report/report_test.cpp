@@ -1,6 +1,8 @@
 #include "commands/progress.h"
 #include "report/csv_report.h"
+#include "report/headline.h"
 #include "report/html_report.h"
+#include "report/html_text.h"
 #include "report/json_report.h"
 #include "report/table.h"
 
@@ -211,7 +213,9 @@ TEST(HtmlReport, StandsAloneAndHoldsTheData)
 {
     const std::vector<BenchDocument> documents = {example()};
     const std::string html = html_report(documents);
-    EXPECT_EQ(html.find("src="), html.npos) << "another file would be needed";
+    for (size_t at = 0; (at = html.find(" src=\"", at)) != html.npos; ++at) {
+        EXPECT_EQ(html.compare(at, 11, " src=\"data:"), 0) << "another file would be needed";
+    }
     EXPECT_EQ(html.find("<link"), html.npos);
     EXPECT_NE(html.find("Chart.js v"), html.npos);
     const std::string opening = "id=\"occlude-data\">";
@@ -236,6 +240,78 @@ TEST(HtmlReport, NamesTheEntriesOfASuiteAndFoldsWhatMayDiffer)
     ASSERT_NE(folded, std::string::npos);
     EXPECT_LT(open, folded); // ... and where it promised nothing, that is no alarm
     EXPECT_EQ(html.find("<h3>Differences</h3>", open + 1), std::string::npos);
+}
+
+// frustum, chc and ideal at 1, 4 and 8 times the speed of frustum culling; adaptive if asked for.
+BenchDocument timed(bool with_adaptive)
+{
+    BenchDocument document = example();
+    const AlgorithmRun run = document.runs[0];
+    document.runs.clear();
+    const auto add = [&](const char* name, double speedup) {
+        document.runs.push_back(run);
+        document.runs.back().algorithm = name;
+        for (FrameFigures& frame : document.runs.back().frames) {
+            frame.speedup_vs_frustum = speedup;
+        }
+    };
+    add("frustum", 1.0);
+    add("chc", 4.0);
+    if (with_adaptive) {
+        add("adaptive", 3.0);
+    }
+    add("ideal", 8.0);
+    return document;
+}
+
+TEST(Headline, SpeaksOfAdaptiveOrElseOfTheFastestExactAlgorithm)
+{
+    BenchDocument document = timed(false);
+    EXPECT_EQ(chosen_run(document), 1u);
+    EXPECT_EQ(ideal_run(document, 1), 2u);
+    EXPECT_EQ(chosen_run(timed(true)), 2u);
+    document.runs[1].guarantee = Guarantee::latent(1);
+    EXPECT_EQ(chosen_run(document), std::nullopt);
+    EXPECT_NE(html_report({&document, 1}).find("No exact algorithm was timed"), std::string::npos);
+}
+
+TEST(Headline, SaysTheLimitWhatWasComparedAndThatCullingDoesNotPay)
+{
+    BenchDocument document = timed(true);
+    std::string html = html_report({&document, 1});
+    EXPECT_NE(html.find(">3.00</b> times as fast as frustum culling; the limit is <b"),
+              std::string::npos);
+    EXPECT_NE(html.find("<code>--verify</code>"), std::string::npos);
+    EXPECT_EQ(html.find("does not pay"), std::string::npos);
+    for (FrameFigures& frame : document.runs[2].frames) {
+        frame.speedup_vs_frustum = 1.04;
+        frame.verdict = Verdict{};
+    }
+    html = html_report({&document, 1});
+    EXPECT_NE(html.find("does not pay here. All pixels of 2 frames were compared: none differs."),
+              std::string::npos);
+    document.runs[2].frames[0].verdict->differing_pixels = 5;
+    EXPECT_NE(html_report({&document, 1}).find("But 5 pixels differ."), std::string::npos);
+}
+
+TEST(Headline, TheWorstFramesComeFirst)
+{
+    AlgorithmRun run = example().runs[0];
+    run.frames[0].speedup_vs_frustum = 2.0;
+    run.frames[1].speedup_vs_frustum = 1.5;
+    EXPECT_EQ(worst_frames(run, 5), (std::vector<size_t>{1, 0}));
+    EXPECT_EQ(worst_frames(run, 1), (std::vector<size_t>{1}));
+    run.frames[1].speedup_vs_frustum = kNotMeasured;
+    EXPECT_EQ(worst_frames(run, 5), (std::vector<size_t>{0}));
+}
+
+TEST(HtmlText, EncodesBytesAsBase64)
+{
+    EXPECT_EQ(base64(""), "");
+    EXPECT_EQ(base64("f"), "Zg==");
+    EXPECT_EQ(base64("fo"), "Zm8=");
+    EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+    EXPECT_EQ(base64(std::string{"\xff\x00\xfe", 3}), "/wD+");
 }
 
 TEST(HtmlReport, EscapesWhatComesFromOutside)

@@ -1,4 +1,4 @@
-# Turns INPUT (JavaScript) into OUTPUT, a C++ source that holds it as text.
+# Turns INPUT (text) into OUTPUT, a C++ source whose FUNCTION of report/page_parts.h returns it.
 file(READ "${INPUT}" text)
 # A map of the source would be looked for beside the report, where it is not.
 string(REGEX REPLACE "\n//# sourceMappingURL=[^\n]*" "" text "${text}")
@@ -8,8 +8,8 @@ string(LENGTH "${text}" length)
 set(begin 0)
 while(begin LESS length)
   string(SUBSTRING "${text}" ${begin} 12000 piece)
-  string(APPEND pieces "    R\"chart_js(${piece})chart_js\"\n")
+  string(APPEND pieces "    R\"page_part(${piece})page_part\"\n")
   math(EXPR begin "${begin} + 12000")
 endwhile()
-file(WRITE "${OUTPUT}" "#include \"report/chart_js.h\"\n\nnamespace occlude::tools {\n\n"
-     "const char* chart_js()\n{\n    return\n${pieces}    ;\n}\n\n} // namespace occlude::tools\n")
+file(WRITE "${OUTPUT}" "#include \"report/page_parts.h\"\n\nnamespace occlude::tools {\n\n"
+     "const char* ${FUNCTION}()\n{\n    return\n${pieces}    ;\n}\n\n} // namespace occlude::tools\n")

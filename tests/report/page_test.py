@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""The HTML report in a browser: headless Chromium opens what `occlude bench --html` writes.
+
+usage: page_test.py OCCLUDE CHROMIUM
+
+Every figure on the page must be that of the JSON, rounded; all plots must be drawn, the console must stay silent,
+and on a phone 400 pixels wide nothing may stand out to the right.
+"""
+
+import html.parser
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+PLOTS = 5
+PHONE_PX = 400
+
+
+class Figures(html.parser.HTMLParser):
+    """Elements with data-key: (document, run, key, text); and the number of plots that were drawn."""
+
+    def __init__(self):
+        super().__init__()
+        self.document, self.open, self.figures, self.plotted = None, None, [], None
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag == "html":
+            self.plotted = attributes.get("data-plotted")
+        if "data-document" in attributes:
+            self.document = int(attributes["data-document"])
+        if "data-key" in attributes:
+            self.open = (self.document, int(attributes["data-run"]), attributes["data-key"])
+
+    def handle_data(self, data):
+        if self.open:
+            self.figures.append((*self.open, data))
+            self.open = None
+
+
+def browse(chromium, folder, page, *options):
+    """The page after its scripts ran, and what they wrote to the console."""
+    done = subprocess.run(
+        [chromium, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0",
+         f"--user-data-dir={folder}/profile", "--virtual-time-budget=5000", *options, "--dump-dom", page.as_uri()],
+        capture_output=True, text=True, timeout=120, check=True)
+    return done.stdout, re.findall(r"CONSOLE.*", done.stderr)
+
+
+def value_at(value, key):
+    for step in key.split("."):
+        value = value[int(step)] if isinstance(value, list) else value[step]
+    return value
+
+
+def check_figures(dom, documents):
+    reader = Figures()
+    reader.feed(dom)
+    assert reader.plotted == str(PLOTS * len(documents)), f"{reader.plotted} plots were drawn"
+    for document, run, key, text in reader.figures:
+        value = value_at(documents[document]["runs"][run], key)
+        place = f"document {document}, run {run}, {key}: the page says '{text}', the JSON {value}"
+        if text == "–":
+            assert value is None, place
+            continue
+        decimals = len(text.partition(".")[2])
+        assert abs(float(text.replace(",", "")) - value) <= 0.5001 * 10.0**-decimals, place
+    runs = sum(len(document["runs"]) for document in documents)
+    assert len(reader.figures) > 15 * runs, f"only {len(reader.figures)} figures for {runs} runs"
+
+
+def check_phone(chromium, folder):
+    page = Path(folder) / "phone.html"
+    page.write_text(
+        f'<iframe src="report.html" style="border:0;width:{PHONE_PX}px;height:800px" onload="document.title ='
+        " 'width ' + this.contentDocument.documentElement.scrollWidth\"></iframe>")
+    dom, _ = browse(chromium, folder, page, "--allow-file-access-from-files")
+    width = re.search(r"<title>width (\d+)</title>", dom)
+    assert width, "the report did not load in a frame"
+    assert int(width[1]) <= PHONE_PX, f"the page is {width[1]} pixels wide on a phone of {PHONE_PX}"
+
+
+def main(program, chromium):
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        report, data = Path(folder) / "report.html", Path(folder) / "bench.json"
+        subprocess.run(
+            [program, "bench", "boxes:count=300", "movers:count=60,triangles=3k", "--device", "cpu", "--size", "96x64",
+             "--frames", "6", "--algorithms", "chc,adaptive,next_frame", "--hierarchy", "bvh,octree", "--verify",
+             "--json", data, "--html", report],
+            check=True, timeout=120, stdout=subprocess.DEVNULL)
+        documents = json.loads(data.read_text())
+        assert report.read_text().count("data:image/png") == 6 * len(documents), "two frames, three pictures each"
+        dom, console = browse(chromium, folder, report)
+        assert not console, f"the console says: {console}"
+        check_figures(dom, documents)
+        check_phone(chromium, folder)
+    print("the page says what the JSON says")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
