@@ -1,4 +1,5 @@
 #include "commands/comparison.h"
+#include "commands/open_session.h"
 #include "measure/measure.h"
 #include "measure/verify.h"
 #include "replay/replay.h"
@@ -83,7 +84,7 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
                                   const std::optional<OutputFile>& record_file,
                                   const Streams& streams)
 {
-    const auto session = Session::open(scene, options.stage, streams.err);
+    const auto session = open_session(scene, options.stage, streams);
     if (!session) {
         return session.error();
     }

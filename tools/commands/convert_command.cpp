@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <optional>
 #include <ostream>
 
 namespace occlude::tools {
@@ -18,10 +20,13 @@ Result<int> convert_command(const ConvertOptions& options, const Streams& stream
                      fmt::format("--out: '{}' is no name of a binary glTF file; end it in .glb",
                                  options.out)};
     }
-    const auto scene_options = parse_file_options(options.file);
+    auto scene_options = parse_file_options(options.file);
     if (!scene_options) {
         return scene_options.error();
     }
+    std::optional<Progress> progress;
+    progress.emplace(streams.err, streams.watcher, "converting " + options.scene);
+    scene_options->progress = [&](double share) { progress->show("reading", share); };
     auto file = OutputFile::open(options.out);
     if (!file) {
         return file.error();
@@ -30,6 +35,7 @@ Result<int> convert_command(const ConvertOptions& options, const Streams& stream
     if (!model) {
         return model.error();
     }
+    progress->show("writing", std::nan(""));
     const auto bytes = to_glb(*model);
     if (!bytes) {
         return bytes.error();
@@ -37,6 +43,7 @@ Result<int> convert_command(const ConvertOptions& options, const Streams& stream
     if (const auto written = file->commit(*bytes); !written) {
         return written.error();
     }
+    progress.reset();
     streams.out << fmt::format("{}: {} objects of {} meshes, {} triangles, {:.1f} MB\n",
                                options.out, model->instances.size(), model->meshes.size(),
                                drawn_triangles(*model), 1e-6 * static_cast<double>(bytes->size()))

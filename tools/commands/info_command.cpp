@@ -1,4 +1,5 @@
 #include "commands/commands.h"
+#include "commands/open_session.h"
 #include "measure/statistics.h"
 #include "report/table.h"
 #include "session/session.h"
@@ -196,7 +197,7 @@ Result<int> info_command(const InfoOptions& options, const Streams& streams)
     if (const auto checked = check_one_hierarchy(options.stage); !checked) {
         return checked.error();
     }
-    const auto session = Session::open(options.scene, options.stage, streams.err);
+    const auto session = open_session(options.scene, options.stage, streams);
     if (!session) {
         return session.error();
     }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 
 namespace occlude::tools {
@@ -34,6 +35,32 @@ static std::string duration_text(double seconds)
                       : fmt::format("{} min {:02} s", whole / 60, whole % 60);
 }
 
+// " [###......]  25%, about 10 s left"
+static std::string state_text(double share, double seconds)
+{
+    if (std::isnan(share)) {
+        return ", " + duration_text(seconds);
+    }
+    share = std::clamp(share, 0.0, 1.0);
+    const auto filled = static_cast<size_t>(share * static_cast<double>(kBarWidth));
+    std::string text = fmt::format(" [{}{}] {:3.0f}%", std::string(filled, '#'),
+                                   std::string(kBarWidth - filled, '.'), 100.0 * share);
+    if (share > 0.0) {
+        text += ", about " + duration_text(seconds * (1.0 - share) / share) + " left";
+    }
+    return text;
+}
+
+void Progress::show(const std::string& phase, double share)
+{
+    if (const std::string text = ": " + phase; text != phase_) {
+        phase_ = text;
+        start_ = clock_();
+        last_shown_ = start_ - 2.0 * kSecondsBetweenLines;
+    }
+    show(share);
+}
+
 void Progress::show(double share)
 {
     const double now = clock_();
@@ -41,13 +68,7 @@ void Progress::show(double share)
         return;
     }
     last_shown_ = now;
-    share = std::clamp(share, 0.0, 1.0);
-    const auto filled = static_cast<size_t>(share * static_cast<double>(kBarWidth));
-    std::string line = fmt::format("{} [{}{}] {:3.0f}%", label_, std::string(filled, '#'),
-                                   std::string(kBarWidth - filled, '.'), 100.0 * share);
-    if (share > 0.0) {
-        line += ", about " + duration_text((now - start_) * (1.0 - share) / share) + " left";
-    }
+    const std::string line = label_ + phase_ + state_text(share, now - start_);
     const size_t padding = width_ > line.size() ? width_ - line.size() : 0;
     err_ << '\r' << line << std::string(padding, ' ') << std::flush;
     width_ = std::max(width_, line.size());

@@ -1,4 +1,5 @@
 #include "commands/commands.h"
+#include "commands/open_session.h"
 #include "files/output_file.h"
 #include "render/image.h"
 #include "report/table.h"
@@ -165,7 +166,7 @@ Result<int> render_command(const RenderOptions& options, const Streams& streams)
     if (const auto checked = check_output(options, *plan); !checked) {
         return checked.error();
     }
-    const auto session = Session::open(options.scene, options.stage, streams.err);
+    const auto session = open_session(options.scene, options.stage, streams);
     if (!session) {
         return session.error();
     }

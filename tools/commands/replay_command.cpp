@@ -58,6 +58,25 @@ Result<std::vector<const RecordedRun*>> choose_runs(const RunRecording& recordin
     return chosen;
 }
 
+Result<std::vector<ReplayedRun>> replay_all(const RunRecording& recording,
+                                            std::span<const RecordedRun* const> chosen,
+                                            const Streams& streams)
+{
+    Progress progress{streams.err, streams.watcher, "replaying " + recording.scene};
+    std::vector<ReplayedRun> runs;
+    for (const RecordedRun* run : chosen) {
+        auto replayed = replay(recording, *run, [&](double share) {
+            progress.show((static_cast<double>(runs.size()) + share) /
+                          static_cast<double>(chosen.size()));
+        });
+        if (!replayed) {
+            return replayed.error();
+        }
+        runs.push_back(std::move(*replayed));
+    }
+    return runs;
+}
+
 std::string table_of(std::span<const ReplayedRun> runs)
 {
     std::vector<std::vector<std::string>> rows{
@@ -106,14 +125,11 @@ Result<int> replay_command(const ReplayOptions& options, const Streams& streams)
     if (!chosen) {
         return chosen.error();
     }
-    std::vector<ReplayedRun> runs;
-    for (const RecordedRun* run : *chosen) {
-        auto replayed = replay(*recording, *run);
-        if (!replayed) {
-            return replayed.error();
-        }
-        runs.push_back(std::move(*replayed));
+    auto replayed = replay_all(*recording, *chosen, streams);
+    if (!replayed) {
+        return replayed.error();
     }
+    const std::vector<ReplayedRun>& runs = *replayed;
     streams.out << recording->scene << '\n' << table_of(runs);
     if (json) {
         if (const auto written = json->commit(json_of(*recording, runs)); !written) {

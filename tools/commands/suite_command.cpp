@@ -1,4 +1,5 @@
 #include "commands/comparison.h"
+#include "commands/open_session.h"
 #include "measure/measure.h"
 #include "measure/verify.h"
 #include "report/json_report.h"
@@ -101,7 +102,7 @@ Result<BenchDocument> measure_entry(const SuiteEntry& entry, const SuiteOptions&
                                     const Streams& streams)
 {
     const CompareOptions compare = compare_options(entry, options);
-    const auto session = Session::open(entry.scene, compare.stage, streams.err);
+    const auto session = open_session(entry.scene, compare.stage, streams);
     if (!session) {
         return session.error();
     }

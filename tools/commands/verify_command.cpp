@@ -1,4 +1,5 @@
 #include "commands/comparison.h"
+#include "commands/open_session.h"
 #include "measure/verify.h"
 #include "report/table.h"
 
@@ -79,7 +80,7 @@ Result<int> verify_command(const CompareOptions& options, const Streams& streams
     std::vector<BenchDocument> documents;
     int code = kDone;
     for (const std::string& scene : options.scenes) {
-        const auto session = Session::open(scene, options.stage, streams.err);
+        const auto session = open_session(scene, options.stage, streams);
         if (!session) {
             return session.error();
         }

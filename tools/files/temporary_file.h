@@ -24,6 +24,8 @@ public:
     int failed() const { return failed_; }
 
     void write(std::string_view content);
+    /// For writers of their own; -1 after a failure. It belongs to this object.
+    int descriptor() const { return descriptor_; }
     /// Gives the file its name, replacing what has it.
     void rename_to(const std::filesystem::path& name);
 

@@ -1,5 +1,6 @@
 #include "load/scene_cache.h"
 
+#include "files/temporary_file.h"
 #include "load/mapped_file.h"
 #include "load/scene_bytes.h"
 
@@ -77,17 +78,16 @@ void keep_scene(const fs::path& folder, const LoadedScene& scene)
     }
     fs::create_directories(folder, failed);
     const fs::path file = cached_file(folder, scene.sources.front().hash);
-    fs::path unfinished = file;
-    unfinished += fmt::format(".{}.tmp", ::getpid()); // two programs may write the same file
-    std::FILE* out = std::fopen(unfinished.c_str(), "wb");
+    TemporaryFile unfinished{file}; // nobody sees half of it, not even after Ctrl-C
+    const int copy = ::dup(unfinished.descriptor());
+    std::FILE* out = copy >= 0 ? ::fdopen(copy, "wb") : nullptr;
     if (out == nullptr) {
         return;
     }
     const bool written = write_scene(out, scene);
     if (std::fclose(out) == 0 && written) {
-        fs::rename(unfinished, file, failed);
+        unfinished.rename_to(file);
     }
-    fs::remove(unfinished, failed);
 }
 
 } // namespace occlude::tools

@@ -133,7 +133,8 @@ Result<RunRecording> record(const Stage& stage, const std::string& scene,
     return recording;
 }
 
-Result<ReplayedRun> replay(const RunRecording& recording, const RecordedRun& run)
+Result<ReplayedRun> replay(const RunRecording& recording, const RecordedRun& run,
+                           const ProgressCallback& progress)
 {
     Hierarchy tree = tree_of(recording.trees[run.tree]);
     const ItemShapes shapes = shapes_of(recording);
@@ -169,6 +170,10 @@ Result<ReplayedRun> replay(const RunRecording& recording, const RecordedRun& run
             return replayed;
         }
         ++replayed.frames;
+        if (progress) {
+            progress(static_cast<double>(replayed.frames) /
+                     static_cast<double>(recording.views.size()));
+        }
     }
     if (!device.complete()) {
         replayed.mismatch = "it asked the device less than what was recorded";

@@ -24,7 +24,8 @@ struct ReplayedRun {
 
 /// Runs one of the recording's runs over what its device answered. Error: this version does not
 /// have the algorithm or an option.
-Result<ReplayedRun> replay(const RunRecording& recording, const RecordedRun& run);
+Result<ReplayedRun> replay(const RunRecording& recording, const RecordedRun& run,
+                           const ProgressCallback& progress = {});
 
 /// An algorithm to be recorded.
 struct RunToRecord {

@@ -108,22 +108,26 @@ std::string load_summary(const SceneModel& model)
 }
 
 Session::Session(SceneModel model, const StageOptions& options,
-                 std::span<const HierarchyChoice> trees)
+                 std::span<const HierarchyChoice> trees, const LoadingCallback& loading)
     : options_(options)
     , model_(std::move(model))
     , scene_(make_cull_scene(model_))
 {
     const SecondsClock clock = steady_seconds_clock();
     const double start = clock();
-    build_trees(trees);
+    build_trees(trees, loading);
     preparation_.hierarchy_seconds = clock() - start;
     preparation_.uncut_triangles = model_.uncut_triangles;
 }
 
-void Session::build_trees(std::span<const HierarchyChoice> choices)
+void Session::build_trees(std::span<const HierarchyChoice> choices, const LoadingCallback& loading)
 {
     trees_.clear();
     for (const HierarchyChoice& choice : choices) {
+        if (loading) {
+            loading(choices.size() > 1 ? "building the trees" : "building the tree",
+                    static_cast<double>(trees_.size()) / static_cast<double>(choices.size()));
+        }
         auto tree = std::make_unique<Tree>();
         tree->choice = choice;
         if (choice.kind == kTwoLevel) { // knows of objects, not only of items
@@ -298,12 +302,17 @@ Result<bool> Session::make_renderer(std::shared_ptr<GlContext> context, std::ost
     return choose_test();
 }
 
-Result<SceneModel> Session::load(const std::string& scene, const StageOptions& options)
+Result<SceneModel> Session::load(const std::string& scene, const StageOptions& options,
+                                 const LoadingCallback& loading)
 {
     if (const auto checked = check_stage_options(options); !checked) {
         return checked.error();
     }
-    auto model = load_scene(scene, scene_options(options));
+    SceneOptions reading = scene_options(options);
+    if (loading) {
+        reading.progress = [&loading](double share) { loading("reading", share); };
+    }
+    auto model = load_scene(scene, reading);
     if (!model) {
         return model.error();
     }
@@ -328,13 +337,14 @@ Result<SceneModel> Session::load(const std::string& scene, const StageOptions& o
     return model;
 }
 
-Result<std::unique_ptr<Session>> Session::prepare(SceneModel model, const StageOptions& options)
+Result<std::unique_ptr<Session>> Session::prepare(SceneModel model, const StageOptions& options,
+                                                  const LoadingCallback& loading)
 {
     const auto trees = choose_hierarchies(options.hierarchy, options.sets);
     if (!trees) {
         return trees.error();
     }
-    return std::unique_ptr<Session>{new Session{std::move(model), options, *trees}};
+    return std::unique_ptr<Session>{new Session{std::move(model), options, *trees, loading}};
 }
 
 Result<bool> Session::start(std::shared_ptr<GlContext> context, std::ostream& notes)
@@ -347,16 +357,17 @@ Result<bool> Session::start(std::shared_ptr<GlContext> context, std::ostream& no
 }
 
 Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
-                                               const StageOptions& options, std::ostream& notes)
+                                               const StageOptions& options, std::ostream& notes,
+                                               const LoadingCallback& loading)
 {
     const SecondsClock clock = steady_seconds_clock();
     const double start = clock();
-    auto model = load(scene, options);
+    auto model = load(scene, options, loading);
     const double load_seconds = clock() - start;
     if (!model) {
         return model.error();
     }
-    auto session = prepare(std::move(*model), options);
+    auto session = prepare(std::move(*model), options, loading);
     if (!session) {
         return session.error();
     }
@@ -365,36 +376,6 @@ Result<std::unique_ptr<Session>> Session::open(const std::string& scene,
         return started.error();
     }
     return session;
-}
-
-Result<std::vector<Camera>> Session::cameras(const std::string& path) const
-{
-    auto cameras = load_path(path, model_, options_.frames);
-    if (!cameras) {
-        return cameras.error();
-    }
-    if (cameras->empty()) {
-        return Error{ErrorCode::bad_data,
-                     fmt::format("path '{}' has no frames; give it at least one, or choose a path "
-                                 "of 'occlude list paths'",
-                                 path)};
-    }
-    choose_depth_range(*cameras, model_);
-    return cameras;
-}
-
-Result<std::vector<View>> Session::views(const std::string& path) const
-{
-    const auto path_cameras = cameras(path);
-    if (!path_cameras) {
-        return path_cameras.error();
-    }
-    std::vector<View> views;
-    views.reserve(path_cameras->size());
-    for (const Camera& camera : *path_cameras) {
-        views.push_back(make_view(camera, options_.size));
-    }
-    return views;
 }
 
 } // namespace occlude::tools

@@ -11,23 +11,31 @@
 #include <occlude/core/result.h>
 #include <occlude/scene/two_level_scene.h>
 
+#include <functional>
 #include <iosfwd>
 #include <memory>
 
 namespace occlude::tools {
+
+/// Told what is being done to a scene ("reading", "building the tree") and the share of it that is
+/// done; NaN where nobody knows it.
+using LoadingCallback = std::function<void(const std::string& phase, double share)>;
 
 class Session {
 public:
     /// Loads or generates the scene, builds the hierarchies and makes the renderer. Says on `notes`
     /// what the user should know (a fallback to the CPU). Errors name the thing and the remedy.
     static Result<std::unique_ptr<Session>> open(const std::string& scene,
-                                                 const StageOptions& options, std::ostream& notes);
+                                                 const StageOptions& options, std::ostream& notes,
+                                                 const LoadingCallback& loading = {});
 
     /// The parts of open(), for programs that load in another thread. load() and prepare() touch no
     /// renderer; start() belongs to the thread that will draw. `context` is the one to draw in with
     /// OpenGL; null: one without a window.
-    static Result<SceneModel> load(const std::string& scene, const StageOptions& options);
-    static Result<std::unique_ptr<Session>> prepare(SceneModel model, const StageOptions& options);
+    static Result<SceneModel> load(const std::string& scene, const StageOptions& options,
+                                   const LoadingCallback& loading = {});
+    static Result<std::unique_ptr<Session>> prepare(SceneModel model, const StageOptions& options,
+                                                    const LoadingCallback& loading = {});
     Result<bool> start(std::shared_ptr<GlContext> context, std::ostream& notes);
 
     /// Builds other trees instead of those there are: no culler of the old ones may be used again.
@@ -79,8 +87,9 @@ private:
         const Hierarchy& hierarchy() const { return two_level ? two_level->hierarchy() : flat; }
     };
 
-    Session(SceneModel model, const StageOptions& options, std::span<const HierarchyChoice> trees);
-    void build_trees(std::span<const HierarchyChoice> choices);
+    Session(SceneModel model, const StageOptions& options, std::span<const HierarchyChoice> trees,
+            const LoadingCallback& loading);
+    void build_trees(std::span<const HierarchyChoice> choices, const LoadingCallback& loading = {});
     Result<bool> make_renderer(std::shared_ptr<GlContext> context, std::ostream& notes);
     Result<bool> choose_test();
     TwoLevelOptions options_of_two_level(const HierarchyChoice& choice) const;

@@ -1,6 +1,9 @@
 // Names for files that the viewer writes without asking.
 #pragma once
 
+#include <occlude/core/result.h>
+#include <occlude/device/recording.h>
+
 #include <filesystem>
 #include <string>
 
@@ -18,5 +21,8 @@ inline std::filesystem::path numbered_file(const std::string& stem, const std::s
         }
     }
 }
+
+/// Writes a recording to `file`: all of it, or nothing.
+Result<bool> save_trace(const Recording& recording, const std::filesystem::path& file);
 
 } // namespace occlude::tools::viewer

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 
 namespace occlude::tools::viewer {
 
@@ -329,8 +328,7 @@ void Viewer::toggle_trace_recording()
         return;
     }
     const auto file = numbered_file("occlude-trace", "rec");
-    std::ofstream stream{file, std::ios::binary};
-    const auto written = save_recording(recorder_->recording(), stream);
+    const auto written = save_trace(recorder_->recording(), file);
     recorder_.reset();
     say(written ? fmt::format("The trace is in {}.", file.string()) : written.error().message,
         !written);

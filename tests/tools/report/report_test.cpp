@@ -349,4 +349,20 @@ TEST(Progress, EstimatesFromTheShareDoneAndCleansUp)
     EXPECT_EQ(err.str().back(), '\r');
 }
 
+TEST(Progress, PhasesHaveEstimatesOfTheirOwnAndUnknownSharesATime)
+{
+    std::ostringstream err;
+    double now = 0.0;
+    Progress progress{err, Watcher::terminal, "castle", [&] { return now; }};
+    progress.show("reading", kNotMeasured);
+    now = 12.0;
+    progress.show("reading", kNotMeasured);
+    EXPECT_NE(err.str().find("castle: reading, 12 s"), std::string::npos) << err.str();
+    progress.show("building", 0.0); // at once, though the last line is new
+    EXPECT_NE(err.str().find("castle: building ["), std::string::npos) << err.str();
+    now = 22.0;
+    progress.show("building", 0.5);
+    EXPECT_NE(err.str().find("50%, about 10 s left"), std::string::npos) << err.str();
+}
+
 } // namespace occlude::tools
