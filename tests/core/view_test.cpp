@@ -422,6 +422,34 @@ TEST(View, CameraRelativeKeepsItsPrecisionFarFromTheOrigin)
     EXPECT_GT(View::from_clip(glm::mat4{world}, kSize).inflation().margin(box), 10.0f);
 }
 
+// The eye lies between two floats there. What touches the near rectangle does so at any distance
+// from zero: the same boxes and the same eye, 1e7 units nearer to zero, say what is right.
+TEST(View, CameraRelativeKnowsTheNearRectangleFarFromTheOrigin)
+{
+    Rng rng(88);
+    const glm::mat4 clip = glm::perspectiveRH_NO(1.0f, 1.5f, 2.0f, 100.0f);
+    const glm::dvec3 far_away{1e7, -3e6, 2e6};
+    int touching = 0;
+    int free = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const glm::dvec3 eye{rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f), rng.range(0.0f, 1.0f)};
+        const glm::vec3 low{static_cast<float>(rng.below(7)) - 3.0f,
+                            static_cast<float>(rng.below(7)) - 3.0f,
+                            static_cast<float>(rng.below(7)) - 6.0f};
+        const Aabb box{low, low + 1.0f};
+        const Aabb far_box{glm::vec3{glm::dvec3{box.min} + far_away},
+                           glm::vec3{glm::dvec3{box.max} + far_away}};
+        const bool touches = View::camera_relative(clip, eye, kSize)
+                                 .touches_near({box.min + 1e-3f, box.max - 1e-3f});
+        const View far_view = View::camera_relative(clip, eye + far_away, kSize);
+        touching += touches ? 1 : 0;
+        free += far_view.touches_near(far_box) ? 0 : 1;
+        ASSERT_TRUE(!touches || far_view.touches_near(far_box)) << "box " << i;
+    }
+    EXPECT_GT(touching, 100);
+    EXPECT_GT(free, 1000);
+}
+
 TEST(View, NoBoxInsideOfAnotherTouchesUnlessTheOtherDoes)
 {
     Rng rng(73);

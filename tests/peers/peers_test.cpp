@@ -11,6 +11,7 @@
 #include <occlude/device/delaying_device.h>
 #include <occlude/device/faulty_device.h>
 #include <occlude/device/scripted_device.h>
+#include <occlude/effects/flare_visibility.h>
 #include <occlude/hierarchy/builders/bvh_builder.h>
 #include <occlude/screen/depth_pyramid.h>
 
@@ -73,7 +74,8 @@ std::vector<uint32_t> owners_of_everything(const CpuScene& scene, size_t items, 
 }
 
 /// Runs some random worlds changed by `change`; all must pass, and be evidence.
-void expect_worlds_pass(const std::function<void(worlds::Spec&)>& change, uint64_t first_seed)
+void expect_worlds_pass(const std::function<void(worlds::Spec&)>& change, uint64_t first_seed,
+                        double least_hidden = 0.1)
 {
     worlds::Counts counts;
     for (const char* algorithm : kExact) {
@@ -83,7 +85,7 @@ void expect_worlds_pass(const std::function<void(worlds::Spec&)>& change, uint64
             ASSERT_EQ(run_case(spec, counts), "") << to_text(spec);
         }
     }
-    EXPECT_GT(counts.hidden_share(), 0.1);
+    EXPECT_GT(counts.hidden_share(), least_hidden);
     EXPECT_LT(counts.hidden_share(), 0.9);
 }
 
@@ -423,7 +425,7 @@ TEST(Complaints, EverythingVanishesOrNothingIsCulledWithTheCameraInsideABox)
 
 TEST(Complaints, OrthographicCamerasAreCulledWrongly)
 {
-    expect_worlds_pass([](worlds::Spec& spec) { spec.orthographic = true; }, 800);
+    expect_worlds_pass([](worlds::Spec& spec) { spec.lens = worlds::Lens::orthographic; }, 800);
 }
 
 // Objects blinked every other frame: drawn, they hid themselves. Here: camera and scene stand
@@ -585,11 +587,75 @@ TEST(Complaints, DriversWhoseAnswersComeFramesLate)
     EXPECT_GT(counts.faults, 50u);
 }
 
-// Culling failed two million units from the origin. Here: 1,000 times the size of the world away.
+// Culling failed two million units from the origin. Here: 1,000 times the size of the world away
+// however it is drawn, and a million times, ten million units, where positions are drawn relative
+// to an eye in double. Boxes grow there by what float leaves open, so that less is found hidden.
 TEST(Complaints, CullingFailsFarFromTheOrigin)
 {
-    expect_worlds_pass([](worlds::Spec& spec) { spec.offset = 1000.0f; }, 1300);
+    constexpr double kLeastHidden = 0.02;
+    expect_worlds_pass([](worlds::Spec& spec) { spec.offset = 1000.0f; }, 1300, kLeastHidden);
+    expect_worlds_pass(
+        [](worlds::Spec& spec) {
+            spec.offset = 1e6f;
+            spec.camera_relative = true;
+        },
+        1320, kLeastHidden);
 }
+
+// Portals, mirrors and water put an oblique near plane before the eye; culling was wrong there.
+TEST(Complaints, MirrorsAndPortalsLoseObjectsNearTheirPlane)
+{
+    expect_worlds_pass(
+        [](worlds::Spec& spec) {
+            spec.lens = worlds::Lens::oblique;
+            spec.mirrored = true;
+        },
+        1340);
+}
+
+// Lens flares blinked, because the rectangle that was tested lay between the samples. Here: the
+// smallest lights at any place of a pixel are seen as a whole before a wall, and not at all behind.
+TEST(Complaints, LensFlaresBlinkWhereTheTestedRectangleMissesEverySample)
+{
+    const std::vector<ItemBounds> items = behind_a_wall(0);
+    const test::BoxCpuScene scene(items);
+    CpuDevice device(scene);
+    const View view = test::look({0, 0, 0}, {0, 0, -1}, {128, 96});
+    Rng rng{64};
+    std::vector<FlareLight> lights;
+    for (int i = 0; i < 400; ++i) {
+        const float z = i % 2 == 0 ? rng.range(-5.5f, -4.0f) : rng.range(-30.0f, -7.0f);
+        lights.push_back(
+            {{0.3f * z * rng.range(-1, 1), 0.3f * z * rng.range(-1, 1), z, 1.0f}, 0.1f});
+    }
+    FlareVisibility flares;
+    flares.set_lights(lights);
+    const std::array wall{ItemId{0u}};
+    for (int frame = 0; frame < 3; ++frame) {
+        device.begin_frame(view);
+        flares.begin_frame(view, device);
+        device.draw(wall, DrawPass::shade);
+        flares.end_frame(device);
+        device.end_frame();
+    }
+    for (size_t i = 0; i < lights.size(); ++i) {
+        EXPECT_EQ(flares.fraction(i), i % 2 == 0 ? 1.0 : 0.0) << "light " << i;
+    }
+}
+
+// What needs OpenGL stands in other folders:
+//   depth of multisampled targets was resolved to the nearest sample, which hides too much
+//     GlDeviceTest.MultisampledTargetsCountSamples,
+//     GlExactness.EveryExactAlgorithmWithAllNumbersOfSamplesThatTheDriverHas
+//   queries said "ready" too early, were never ready, or counted nothing
+//     GlFaultsTest.ADriverThatSaysReadyTooEarlyIsWaitedFor,
+//     .AnswersThatNeverComeAreWaitedForWithABudget,
+//     .ADriverWhoseQueriesCountNothingIsTestedInOtherWays
+//   tests left the engine's state changed, or were wrong for a state that the engine had set
+//     GlStateTest.TestsChangeTheStateThatTheManualListsAndNoOther,
+//     .TheFirstTestAfterADrawNamesEveryMistakeInTheState
+//   nobody could see why an object was hidden
+//     the viewer's "why is this hidden?", and verify, which names the item and the node that hid it
 
 } // namespace
 } // namespace occlude

@@ -22,9 +22,9 @@ private:
 
     Spec spec_;
     Rng rng_;
-    glm::vec3 eye_{0.0f};
-    glm::vec3 target_{0.0f};
-    float fov_y_ = 1.0f;
+    glm::dvec3 eye_{0.0};
+    glm::dvec3 target_{0.0};
+    glm::dmat4 clip_from_eye_{1.0};
 };
 
 } // namespace occlude::worlds

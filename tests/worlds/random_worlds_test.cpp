@@ -22,7 +22,8 @@ TEST_P(RandomWorlds, ShowEveryPixelThatDrawingEverythingShows)
 {
     Counts counts;
     for (uint64_t i = 0; i < kCases; ++i) {
-        const Spec spec = random_spec(1000 + i, GetParam());
+        Spec spec = random_spec(1000 + i, GetParam());
+        spec.ray_pixels = 50;
         const std::string failure = run_case(spec, counts);
         if (!failure.empty()) {
             const Spec smallest = shrink(spec);
@@ -38,7 +39,9 @@ TEST_P(RandomWorlds, ShowEveryPixelThatDrawingEverythingShows)
     if (info.exact || GetParam() == "prioritized") {
         EXPECT_GT(counts.exact_cases, kCases / 2);
         EXPECT_GT(counts.pixels, 100000u);
+        EXPECT_GT(counts.representative, counts.exact_cases / 2);
     }
+    EXPECT_GT(counts.rays, 100u);
     // Cells of uniform_grid hide little in worlds so small, and adaptive does not cull where
     // drawing everything costs less than testing.
     const bool may_draw_most = GetParam() == "uniform_grid" || GetParam() == "adaptive";
@@ -71,7 +74,8 @@ TEST(RandomWorldsReference, AgreesWithRays)
     Counts counts;
     for (uint64_t seed = 1; seed <= 200; ++seed) {
         Spec spec = random_spec(seed, "frustum");
-        spec.rays = true;
+        spec.ray_pixels = ~0u;
+        spec.rays_in_every_frame = true;
         spec.frames = 2;
         const std::string failure = run_case(spec, counts);
         ASSERT_EQ(failure, "") << to_text(spec);

@@ -1,10 +1,14 @@
 #include "worlds/rays.h"
 
+#include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <sstream>
 #include <vector>
 
 #include <embree3/rtcore.h>
@@ -15,37 +19,109 @@ namespace {
 
 // Rays go from the near plane (0) to the far plane (1). Where two surfaces are closer than this
 // share of it, float rounding may choose either.
-constexpr float kClearlyNearer = 1e-4f;
+constexpr double kClearlyNearer = 1e-4;
+constexpr double kSamePlace = 2.0 * kClearlyNearer;
+// Four steps of a float below 1, in window depth.
+constexpr double kDepthSteps = 0x1p-22;
 // Rays beside the centre of a pixel, so that an edge through it is noticed.
-constexpr float kBeside = 0.05f;
+constexpr double kBeside = 0.05;
 
 struct Hit {
     unsigned item = RTC_INVALID_GEOMETRY_ID;
-    float at = 1.0f;
+    double at = 1.0;
+    double depth01 = 1.0;
+    double depth_error = kDepthSteps; ///< of a rasteriser: it moves vertices, with their depths, to
+                                      ///< a grid of 1/256 pixel
 };
 
-glm::dvec3 unproject(const glm::dmat4& world_from_clip, glm::dvec2 ndc, double z)
+/// From the near plane (at 0) to the far plane or beyond all there is (at 1), relative to the
+/// centre of the scene.
+struct Ray {
+    glm::dvec3 origin{0.0};
+    glm::dvec3 direction{0.0};
+
+    double at(const glm::dvec3& point) const
+    {
+        return glm::dot(point - origin, direction) / glm::dot(direction, direction);
+    }
+};
+
+/// From pixels and window depth to positions relative to a centre.
+class Unprojection {
+public:
+    Unprojection(const View& view, const glm::dvec3& center)
+        : clip_from_relative_(view.clip_from_relative())
+        , relative_from_clip_(glm::inverse(clip_from_relative_))
+        , offset_(view.origin() - center)
+        , size_(view.size_px())
+        , reversed_(view.convention().order == DepthOrder::near_is_large)
+        , low_(view.convention().range == DepthRange::zero_to_one ? 0.0 : -1.0)
+    {
+    }
+
+    /// Nothing behind the eye, and nothing at infinity.
+    std::optional<glm::dvec3> point(glm::dvec2 px, double depth01) const
+    {
+        const double stored = reversed_ ? 1.0 - depth01 : depth01;
+        const glm::dvec4 p = relative_from_clip_ *
+                             glm::dvec4{px / size_ * 2.0 - 1.0, low_ + (1.0 - low_) * stored, 1.0};
+        const glm::dvec3 point = glm::dvec3{p} / p.w + offset_;
+        const bool before_eye = p.w > 0.0 && std::isfinite(glm::dot(point, point));
+        return before_eye ? std::optional{point} : std::nullopt;
+    }
+
+    double depth01(const glm::dvec3& point) const
+    {
+        const glm::dvec4 clip = clip_from_relative_ * glm::dvec4{point - offset_, 1.0};
+        const double stored = (clip.z / clip.w - low_) / (1.0 - low_);
+        return reversed_ ? 1.0 - stored : stored;
+    }
+
+    /// At most `length` long: far planes may lie at infinity, and oblique ones behind the horizon.
+    std::optional<Ray> ray(glm::dvec2 px, double length) const
+    {
+        const auto near = point(px, 0.0);
+        const auto beyond = point(px, 1.0 / 64.0);
+        if (!near || !beyond) {
+            return std::nullopt;
+        }
+        const auto far = point(px, 1.0);
+        const double to_far = far ? glm::distance(*near, *far) : length;
+        return Ray{*near, std::min(length, to_far) * glm::normalize(*beyond - *near)};
+    }
+
+private:
+    glm::dmat4 clip_from_relative_;
+    glm::dmat4 relative_from_clip_;
+    glm::dvec3 offset_;
+    glm::dvec2 size_;
+    bool reversed_;
+    double low_;
+};
+
+/// One for each thread: making one takes longer than a world.
+RTCDevice device_of_thread()
 {
-    const glm::dvec4 point = world_from_clip * glm::dvec4{ndc, z, 1.0};
-    return glm::dvec3{point} / point.w;
+    struct Owned {
+        RTCDevice device = rtcNewDevice("threads=1");
+        ~Owned() { rtcReleaseDevice(device); }
+    };
+    thread_local Owned owned;
+    return owned.device;
 }
 
 } // namespace
 
 struct Rays::Scene {
-    RTCDevice device = rtcNewDevice("threads=1");
+    RTCDevice device = device_of_thread();
     RTCScene scene = rtcNewScene(device);
 
     Scene() { rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); }
-    ~Scene()
-    {
-        rtcReleaseScene(scene);
-        rtcReleaseDevice(device);
-    }
+    ~Scene() { rtcReleaseScene(scene); }
     Scene(const Scene&) = delete;
     Scene& operator=(const Scene&) = delete;
 
-    void add(unsigned item, const std::vector<glm::vec3>& corners)
+    void add(unsigned item, const std::vector<glm::vec3>& corners, const glm::dvec3& center)
     {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
         auto* vertices = static_cast<float*>(
@@ -56,7 +132,8 @@ struct Rays::Scene {
                                     3 * sizeof(unsigned), corners.size() / 3));
         for (size_t i = 0; i < corners.size(); ++i) {
             for (int axis = 0; axis < 3; ++axis) {
-                vertices[3 * i + static_cast<size_t>(axis)] = corners[i][axis];
+                vertices[3 * i + static_cast<size_t>(axis)] =
+                    static_cast<float>(double{corners[i][axis]} - center[axis]);
             }
             indices[i] = static_cast<unsigned>(i);
         }
@@ -65,15 +142,15 @@ struct Rays::Scene {
         rtcReleaseGeometry(geometry);
     }
 
-    Hit first(const glm::dvec3& origin, const glm::dvec3& direction) const
+    Hit first(const Ray& along) const
     {
         RTCRayHit ray{};
-        ray.ray.org_x = static_cast<float>(origin.x);
-        ray.ray.org_y = static_cast<float>(origin.y);
-        ray.ray.org_z = static_cast<float>(origin.z);
-        ray.ray.dir_x = static_cast<float>(direction.x);
-        ray.ray.dir_y = static_cast<float>(direction.y);
-        ray.ray.dir_z = static_cast<float>(direction.z);
+        ray.ray.org_x = static_cast<float>(along.origin.x);
+        ray.ray.org_y = static_cast<float>(along.origin.y);
+        ray.ray.org_z = static_cast<float>(along.origin.z);
+        ray.ray.dir_x = static_cast<float>(along.direction.x);
+        ray.ray.dir_y = static_cast<float>(along.direction.y);
+        ray.ray.dir_z = static_cast<float>(along.direction.z);
         ray.ray.tnear = 0.0f;
         ray.ray.tfar = 1.0f;
         ray.ray.mask = ~0u;
@@ -82,17 +159,46 @@ struct Rays::Scene {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         rtcIntersect1(scene, &context, &ray);
-        return {ray.hit.geomID, ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 1.0f : ray.ray.tfar};
+        return {ray.hit.geomID,
+                ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 1.0 : double{ray.ray.tfar}};
+    }
+
+    /// What all rays through and around the middle of a pixel meet at about the same place.
+    std::optional<Hit> sure(const Unprojection& unprojection, const glm::dvec2& middle,
+                            double length) const
+    {
+        constexpr std::array<glm::dvec2, 5> kAround{
+            {{0.0, 0.0}, {kBeside, 0.0}, {-kBeside, 0.0}, {0.0, kBeside}, {0.0, -kBeside}}};
+        std::optional<Hit> known;
+        for (const glm::dvec2& beside : kAround) {
+            const auto ray = unprojection.ray(middle + beside, length);
+            const Hit hit = ray ? first(*ray) : Hit{};
+            const bool clear = hit.at > kClearlyNearer && hit.at < 1.0 - kClearlyNearer;
+            if (!clear || (known && (hit.item != known->item ||
+                                     std::abs(hit.at - known->at) >= kClearlyNearer))) {
+                return std::nullopt;
+            }
+            const double depth01 = unprojection.depth01(ray->origin + hit.at * ray->direction);
+            if (!known) {
+                known = hit;
+                known->depth01 = depth01;
+            }
+            const double per_pixel = std::abs(depth01 - known->depth01) / kBeside;
+            known->depth_error = std::max(known->depth_error, kDepthSteps + per_pixel / 128.0);
+        }
+        return known;
     }
 };
 
 Rays::Rays(const RandomScene& scene)
     : scene_(std::make_unique<Scene>())
+    , center_(scene.center())
+    , length_(8.0 * double{RandomScene::kReach} * double{scene.unit()})
 {
     for (size_t i = 0; i < scene.bounds().size(); ++i) {
         const std::vector<glm::vec3> corners = scene.triangles(ItemId{i});
         if (!corners.empty() && !has_flag(scene.bounds()[i].flags, ItemFlags::translucent)) {
-            scene_->add(static_cast<unsigned>(i), corners);
+            scene_->add(static_cast<unsigned>(i), corners, center_);
         }
     }
     rtcCommitScene(scene_->scene);
@@ -100,53 +206,47 @@ Rays::Rays(const RandomScene& scene)
 
 Rays::~Rays() = default;
 
-std::string Rays::disagrees(const View& view, const CpuDevice& picture, uint64_t& compared) const
+std::string Rays::disagrees(const View& view, const CpuDevice& picture, uint32_t pixels,
+                            uint64_t seed, uint64_t& compared) const
 {
-    const glm::dmat4 world_from_clip = glm::inverse(glm::dmat4{view.clip_from_world()});
-    const bool reversed = view.convention().order == DepthOrder::near_is_large;
-    const double low = view.convention().range == DepthRange::zero_to_one ? 0.0 : -1.0;
-    const glm::ivec2 size = view.size_px();
-    for (int y = 0; y < size.y; ++y) {
-        for (int x = 0; x < size.x; ++x) {
-            std::array<Hit, 5> hits;
-            bool agree = true;
-            for (size_t i = 0; i < hits.size(); ++i) {
-                const glm::dvec2 beside{(i == 1 ? kBeside : 0.0f) - (i == 2 ? kBeside : 0.0f),
-                                        (i == 3 ? kBeside : 0.0f) - (i == 4 ? kBeside : 0.0f)};
-                const glm::dvec2 ndc =
-                    (glm::dvec2{x, y} + 0.5 + beside) / glm::dvec2{size} * 2.0 - 1.0;
-                const glm::dvec3 near = unproject(world_from_clip, ndc, reversed ? 1.0 : low);
-                const glm::dvec3 far = unproject(world_from_clip, ndc, reversed ? low : 1.0);
-                hits[i] = scene_->first(near, far - near);
-                agree = agree && hits[i].item == hits[0].item &&
-                        std::abs(hits[i].at - hits[0].at) < kClearlyNearer &&
-                        hits[i].at > kClearlyNearer;
+    if (view.ignores_near_plane()) {
+        return {};
+    }
+    const Unprojection unprojection{view, center_};
+    const auto width = static_cast<uint32_t>(view.size_px().x);
+    const uint32_t all = width * static_cast<uint32_t>(view.size_px().y);
+    Rng rng{seed};
+    for (uint32_t i = 0; i < std::min(pixels, all); ++i) {
+        const uint32_t pixel = pixels >= all ? i : rng.below(all);
+        const glm::dvec2 middle = glm::dvec2{pixel % width, pixel / width} + 0.5;
+        const auto ray = unprojection.ray(middle, length_);
+        const std::optional<Hit> hit =
+            ray ? scene_->sure(unprojection, middle, length_) : std::nullopt;
+        if (!hit) {
+            continue; // an edge, a face seen from the side, or something at the near plane
+        }
+        ++compared;
+        const float depth = picture.depth()[pixel];
+        const ItemId owner = depth < 1.0f ? picture.owner(pixel).item : ItemId{};
+        if (owner == ItemId{hit->item}) {
+            continue;
+        }
+        // Two surfaces in one place, or nearer to each other than a rasteriser can tell, as before
+        // oblique near planes, where depth varies much over the screen: either may be drawn.
+        const auto shown = unprojection.point(middle, double{depth});
+        const bool same_place = shown && std::abs(ray->at(*shown) - hit->at) <= kSamePlace;
+        if (!same_place && std::abs(hit->depth01 - double{depth}) > hit->depth_error) {
+            std::ostringstream text;
+            text << "pixel " << pixel % width << ", " << pixel / width << ": rays see item "
+                 << hit->item << " after " << hit->at << " of their way, at depth " << hit->depth01
+                 << "; the picture shows ";
+            if (owner.valid()) {
+                text << "item " << owner.value << " after " << (shown ? ray->at(*shown) : 1.0);
+            } else {
+                text << "nothing";
             }
-            if (!agree || hits[0].at > 1.0f - kClearlyNearer) {
-                continue; // an edge, a face seen from the side, or something at the near plane
-            }
-            ++compared;
-            const size_t pixel = static_cast<size_t>(y * size.x + x);
-            const ItemId owner =
-                picture.depth()[pixel] < 1.0f ? picture.owner(pixel).item : ItemId{};
-            if (owner == ItemId{hits[0].item}) {
-                continue;
-            }
-            // Two surfaces in one place: whichever is drawn, the other lies as far away.
-            const glm::dvec2 ndc = (glm::dvec2{x, y} + 0.5) / glm::dvec2{size} * 2.0 - 1.0;
-            const glm::dvec3 near = unproject(world_from_clip, ndc, reversed ? 1.0 : low);
-            const glm::dvec3 far = unproject(world_from_clip, ndc, reversed ? low : 1.0);
-            const glm::dvec3 point = near + static_cast<double>(hits[0].at) * (far - near);
-            const glm::dvec4 clip = glm::dmat4{view.clip_from_world()} * glm::dvec4{point, 1.0};
-            const double z = clip.z / clip.w;
-            const double stored = low == 0.0 ? z : 0.5 * z + 0.5;
-            const double depth = reversed ? 1.0 - stored : stored;
-            if (std::abs(depth - static_cast<double>(picture.depth()[pixel])) > 1e-3) {
-                return "pixel " + std::to_string(x) + ", " + std::to_string(y) +
-                       ": rays see item " + std::to_string(hits[0].item) +
-                       (owner.valid() ? ", the picture shows item " + std::to_string(owner.value)
-                                      : std::string{", the picture shows nothing"});
-            }
+            text << ", at depth " << depth;
+            return text.str();
         }
     }
     return {};

@@ -22,12 +22,17 @@ public:
     Rays& operator=(const Rays&) = delete;
 
     /// Empty, or which pixel of `picture` shows an item although rays through it say beyond doubt
-    /// that another is nearer. Adds the pixels without doubt to `compared`.
-    std::string disagrees(const View& view, const CpuDevice& picture, uint64_t& compared) const;
+    /// that another is nearer. Looks at `pixels` pixels, chosen by `seed`, or at all if there are
+    /// no more; adds those without doubt to `compared`. Views that ignore their near plane show
+    /// what no ray from it meets: nothing is compared.
+    std::string disagrees(const View& view, const CpuDevice& picture, uint32_t pixels,
+                          uint64_t seed, uint64_t& compared) const;
 
 private:
     struct Scene;
     std::unique_ptr<Scene> scene_;
+    glm::dvec3 center_{0.0};
+    double length_ = 0.0; ///< of a ray that leaves the world
 };
 
 } // namespace occlude::worlds

@@ -79,6 +79,11 @@ public:
             }
         }
         counts_.exact_cases += all_exact_ ? 1 : 0;
+        counts_.representative += all_exact_ && seen_.owning >= seen_.in_frustum / 10 &&
+                                          seen_.owning <= seen_.in_frustum - seen_.in_frustum / 10
+                                      ? 1
+                                      : 0;
+        counts_.in_frustum += seen_.in_frustum;
         counts_.faults += faulty_.faults_injected();
         return failure_;
     }
@@ -158,10 +163,27 @@ private:
         reference_.end_frame();
     }
 
+    /// In one frame, or in all.
     void check_reference(const View& view)
     {
-        const std::string difference = Rays{scene_}.disagrees(view, reference_, counts_.rays);
+        if (spec_.ray_pixels == 0 ||
+            (!spec_.rays_in_every_frame && frame_ != spec_.seed % spec_.frames)) {
+            return;
+        }
+        const std::string difference = Rays{scene_}.disagrees(view, reference_, spec_.ray_pixels,
+                                                              spec_.seed + frame_, counts_.rays);
         check(difference.empty(), difference);
+    }
+
+    std::set<ItemId> owners_of_reference() const
+    {
+        std::set<ItemId> owners;
+        for (size_t pixel = 0; pixel < reference_.depth().size(); ++pixel) {
+            if (reference_.depth()[pixel] < 1.0f) {
+                owners.insert(reference_.owner(pixel).item);
+            }
+        }
+        return owners;
     }
 
     void cull(uint32_t index)
@@ -169,16 +191,10 @@ private:
         const View view = cameras_[index].next(scene_);
         Culler& culler = *cullers_[index];
         draw_reference(view);
-        if (spec_.rays) {
-            check_reference(view);
-        }
+        check_reference(view);
+        const std::set<ItemId> owners = owners_of_reference();
+        seen_.owning += owners.size();
         if (auto* oracle = dynamic_cast<OracleCuller*>(&culler)) {
-            std::set<ItemId> owners;
-            for (size_t pixel = 0; pixel < reference_.depth().size(); ++pixel) {
-                if (reference_.depth()[pixel] < 1.0f) {
-                    owners.insert(reference_.owner(pixel).item);
-                }
-            }
             oracle->record(view, validating_, std::vector<ItemId>(owners.begin(), owners.end()));
         }
         const FrameReport report = culler.cull(view, validating_);
@@ -199,7 +215,7 @@ private:
         counts_.pixels += reference_.depth().size();
         counts_.drawn += culler.drawn_items().size();
         for (const ItemBounds& item : scene_.bounds()) {
-            counts_.in_frustum += view.frustum().classify(item.box) != Containment::outside ? 1 : 0;
+            seen_.in_frustum += view.frustum().classify(item.box) != Containment::outside ? 1 : 0;
         }
         if (device_.size_px() != reference_.size_px()) {
             fail("the culler drew into another target");
@@ -234,6 +250,10 @@ private:
     std::vector<Camera> cameras_;
     uint32_t frame_ = 0;
     bool all_exact_ = true;
+    struct {
+        uint64_t owning = 0;     ///< items that own a pixel, over all frames and views
+        uint64_t in_frustum = 0; ///< items in the frustum, in exact frames
+    } seen_;
     std::string failure_;
 };
 
@@ -250,6 +270,7 @@ Counts& Counts::operator+=(const Counts& other)
     drawn += other.drawn;
     in_frustum += other.in_frustum;
     rays += other.rays;
+    representative += other.representative;
     return *this;
 }
 

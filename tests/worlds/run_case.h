@@ -16,9 +16,11 @@ struct Counts {
     uint64_t pixels = 0;
     uint64_t tests = 0;
     uint64_t faults = 0;
-    uint64_t drawn = 0;      ///< items, by exact cullers
-    uint64_t in_frustum = 0; ///< items that frustum culling draws, in the same frames
-    uint64_t rays = 0;       ///< pixels compared with rays
+    uint64_t drawn = 0;          ///< items, by exact cullers
+    uint64_t in_frustum = 0;     ///< items that frustum culling draws, in the same frames
+    uint64_t rays = 0;           ///< pixels compared with rays
+    uint64_t representative = 0; ///< exact cases in which 10 to 90% of the items in the frustum own
+                                 ///< no pixel
 
     Counts& operator+=(const Counts& other);
     /// The share of the items in the frustum that were not drawn.

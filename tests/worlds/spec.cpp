@@ -109,6 +109,12 @@ Faults random_faults(Rng& rng)
     return faults;
 }
 
+const char* lens_text(Lens lens)
+{
+    constexpr std::array kTexts{"", ", orthographic", ", infinite", ", off-centre", ", oblique"};
+    return kTexts[static_cast<size_t>(lens)];
+}
+
 } // namespace
 
 Spec random_spec(uint64_t seed, const std::string& algorithm)
@@ -118,7 +124,7 @@ Spec random_spec(uint64_t seed, const std::string& algorithm)
     spec.seed = seed;
     spec.items = 2 + rng.below(rng.below(6) == 0 ? 300 : 70);
     spec.unit = std::array{1.0f, 1.0f, 0.001f, 1000.0f}[rng.below(4)];
-    spec.offset = std::array{0.0f, 0.0f, 3.0f, 100.0f}[rng.below(4)];
+    spec.offset = std::array{0.0f, 0.0f, 3.0f, 100.0f, 1e4f, 1e6f}[rng.below(6)];
     spec.flags = rng.below(3) == 0;
     spec.moves = rng.below(3) == 0;
     spec.rebuilds = rng.below(5) == 0;
@@ -126,7 +132,13 @@ Spec random_spec(uint64_t seed, const std::string& algorithm)
     spec.size_px = {1 + static_cast<int>(rng.below(90)), 1 + static_cast<int>(rng.below(70))};
     spec.convention = {rng.below(2) == 0 ? DepthRange::minus_one_to_one : DepthRange::zero_to_one,
                        rng.below(2) == 0 ? DepthOrder::near_is_small : DepthOrder::near_is_large};
-    spec.orthographic = rng.below(6) == 0;
+    spec.lens = std::array{Lens::perspective, Lens::perspective, Lens::orthographic,
+                           Lens::infinite,    Lens::off_centre,  Lens::oblique}[rng.below(6)];
+    spec.near_plane = std::array{0.1f, 0.1f, 0.001f, 1.0f}[rng.below(4)];
+    spec.mirrored = rng.below(8) == 0;
+    spec.depth_clamp = rng.below(8) == 0;
+    // In world coordinates, positions far away round by more than the world is large.
+    spec.camera_relative = rng.below(spec.offset > 100.0f ? 16 : 2) != 0;
     spec.resets = rng.below(5) == 0;
     choose_culler(spec, rng, algorithm);
     spec.method = rng.below(3) == 0 ? TestMethod::pyramid : TestMethod::queries;
@@ -142,7 +154,10 @@ std::string to_text(const Spec& spec)
          << 'x' << spec.size_px.y
          << (spec.convention.range == DepthRange::zero_to_one ? ", [0,1]" : "")
          << (spec.convention.order == DepthOrder::near_is_large ? ", reverse Z" : "")
-         << (spec.orthographic ? ", orthographic" : "") << (spec.flags ? ", flags" : "")
+         << lens_text(spec.lens) << (spec.near_plane != 0.1f ? ", near " : "")
+         << (spec.near_plane != 0.1f ? std::to_string(spec.near_plane) : "")
+         << (spec.mirrored ? ", mirrored" : "") << (spec.depth_clamp ? ", depth clamp" : "")
+         << (spec.camera_relative ? ", camera-relative" : "") << (spec.flags ? ", flags" : "")
          << (spec.moves ? ", moves" : "") << (spec.rebuilds ? ", rebuilds" : "")
          << (spec.resets ? ", resets" : "") << "; " << spec.algorithm;
     for (const auto& [name, value] : spec.options) {
@@ -185,7 +200,11 @@ std::vector<Spec> simpler(const Spec& spec)
     with([](Spec& s) { s.unit = 1.0f; });
     with([](Spec& s) { s.offset = 0.0f; });
     with([](Spec& s) { s.convention = {}; });
-    with([](Spec& s) { s.orthographic = false; });
+    with([](Spec& s) { s.lens = Lens::perspective; });
+    with([](Spec& s) { s.near_plane = 0.1f; });
+    with([](Spec& s) { s.mirrored = false; });
+    with([](Spec& s) { s.depth_clamp = false; });
+    with([](Spec& s) { s.camera_relative = false; });
     with([](Spec& s) { s.hierarchy = "bvh"; });
     with([](Spec& s) { s.leaf_triangles = 0; });
     with([](Spec& s) { s.method = TestMethod::queries; });

@@ -13,6 +13,8 @@
 
 namespace occlude::worlds {
 
+enum class Lens : uint8_t { perspective, orthographic, infinite, off_centre, oblique };
+
 struct Spec {
     uint64_t seed = 1;
     // The scene.
@@ -26,8 +28,12 @@ struct Spec {
     uint32_t frames = 8;
     glm::ivec2 size_px{48, 36};
     ClipConvention convention;
-    bool orthographic = false;
-    bool resets = false; ///< the culler is reset now and then
+    Lens lens = Lens::perspective;
+    float near_plane = 0.1f;      ///< in units
+    bool mirrored = false;        ///< along x, as in a mirror
+    bool depth_clamp = false;     ///< the view ignores the near plane
+    bool camera_relative = false; ///< positions are drawn relative to the eye
+    bool resets = false;          ///< the culler is reset now and then
     // The culler.
     std::string hierarchy = "bvh";
     uint32_t leaf_triangles = 0;
@@ -38,7 +44,8 @@ struct Spec {
     // The device.
     TestMethod method = TestMethod::queries;
     Faults faults;
-    bool rays = false; ///< the picture is compared with Embree's rays, too: slow
+    uint32_t ray_pixels = 0;          ///< pixels that are compared with Embree's rays, too
+    bool rays_in_every_frame = false; ///< else in one
 };
 
 /// The spec of a seed: the same everywhere. `algorithm`: empty for any.
