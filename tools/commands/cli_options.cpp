@@ -68,7 +68,7 @@ void add_stage_arguments(Command& command, RawStage& raw, bool several)
           .shows_default = true},
          {.name = "--msaa",
           .target = &stage.samples,
-          .help = "Samples per pixel",
+          .help = "Samples per pixel; drivers may give more, and the table says how many",
           .shows_default = true,
           .whole = {{1, kMaxSamples}}},
          {.name = "--set",

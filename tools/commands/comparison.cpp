@@ -61,6 +61,17 @@ Result<bool> ReportFiles::write(std::span<const BenchDocument> documents)
     return true;
 }
 
+// Drivers may give more samples than were asked for: as many as a pixel has ids.
+int samples_given(SceneRenderer& renderer, glm::ivec2 size, int asked)
+{
+    if (asked <= 1) {
+        return asked;
+    }
+    const View view = View::from_clip(glm::mat4{1.0f}, size);
+    const auto pixels = static_cast<size_t>(size.x) * static_cast<size_t>(size.y);
+    return std::max(static_cast<int>(renderer.render_ids(view, {}).size() / pixels), 1);
+}
+
 BenchDocument describe(Session& session, const CompareOptions& options, const std::string& path,
                        size_t frames)
 {
@@ -77,7 +88,7 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
             .test = options.stage.device == "cpu_fast" ? "pyramid" : options.stage.test,
             .path = path,
             .size = options.stage.size,
-            .samples = options.stage.samples,
+            .samples = samples_given(session.renderer(), options.stage.size, options.stage.samples),
             .frames = frames,
             .repeat = options.repeat,
             .sample_every = 1,

@@ -252,6 +252,23 @@ TEST(Cli, VerifyWalksASmoothPathAndOneWithJumpsAndExitsWithZero)
     EXPECT_EQ(outcome.out.find("DIFFERS"), std::string::npos);
 }
 
+// llvmpipe gives four where two are asked for; the table says what the images have.
+TEST(Cli, TheTableSaysHowManySamplesThereAreNotHowManyWereAskedFor)
+{
+    const std::string json = write_file("samples.json", "").string();
+    const Outcome outcome = run({"bench", scene_file(), "--device", "gl", "--msaa", "2", "--frames",
+                                 "2", "--size", "32x24", "--algorithms", "chc", "--json", json});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    std::ifstream file{json};
+    const std::string document{std::istreambuf_iterator<char>{file}, {}};
+    const size_t at = document.find("\"samples\":");
+    ASSERT_NE(at, std::string::npos);
+    const int samples = std::atoi(document.c_str() + at + 10);
+    EXPECT_GE(samples, 2);
+    EXPECT_NE(outcome.out.find(std::to_string(samples) + " samples on"), std::string::npos)
+        << outcome.out;
+}
+
 TEST(Cli, MovingScenesAreVerifiedOnEveryHierarchyAndSaidToMove)
 {
     const std::string scene = "movers:count=60,triangles=2k";
