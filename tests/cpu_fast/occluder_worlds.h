@@ -5,6 +5,7 @@
 #include <occlude/backends/cpu_fast/occluder_buffer.h>
 #include <occlude/core/rng.h>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/matrix.hpp>
@@ -150,16 +151,21 @@ inline OccluderWorld random_occluder_world(uint64_t seed, glm::ivec2 size_px, ui
 {
     Rng rng(seed);
     OccluderWorld world;
-    const glm::vec3 eye = random_point(rng, 14.0f);
+    // Far from zero, transforms in float are off by more.
+    const float away = rng.below(3) == 0 ? 3000.0f * uniform01(rng.next()) : 0.0f;
+    const glm::vec3 zero{away, -0.3f * away, 0.7f * away};
+    const glm::vec3 eye = zero + random_point(rng, 14.0f);
     const glm::mat4 clip_from_world =
         (rng.below(4) == 0
              ? glm::ortho(-6.0f, 6.0f, -4.0f, 4.0f, 0.05f, 40.0f)
              : glm::perspective(1.1f, static_cast<float>(size_px.x) / static_cast<float>(size_px.y),
                                 0.05f, 40.0f)) *
-        glm::lookAt(eye, random_point(rng, 3.0f), glm::vec3{0.0f, 1.0f, 0.0f});
+        glm::lookAt(eye, zero + random_point(rng, 3.0f), glm::vec3{0.0f, 1.0f, 0.0f});
     world.view = View::from_clip(clip_from_world, size_px);
     for (uint32_t i = 0; i < sources; ++i) {
         world.sources.push_back(random_source(rng));
+        glm::mat4& place = world.sources.back().world_from_mesh;
+        place = glm::translate(glm::mat4{1.0f}, zero) * place;
     }
     return world;
 }
@@ -175,12 +181,20 @@ public:
         for (size_t s = 0; s < world.sources.size(); ++s) {
             const OccluderSource& source = world.sources[s];
             const glm::dmat4 clip = clip_from_world * glm::dmat4{source.world_from_mesh};
+            const View own = world.view.in_object(source.world_from_mesh);
             for (size_t i = 0; i + 2 < source.indices.size(); i += 3) {
                 Triangle triangle;
                 for (size_t k = 0; k < 3; ++k) {
                     const glm::vec3 p = source.positions[source.indices[i + k]];
                     glm::dvec4 c = clip * glm::dvec4{glm::dvec3{p}, 1.0};
                     const uint64_t hash = hash64(seed, s, bits(p.x), bits(p.y), bits(p.z));
+                    // What float transforms may be off by, and then what snapping may.
+                    const glm::dvec4 error{
+                        own.clip_rounding(glm::abs(glm::vec3{glm::dvec3{p} - own.origin()}))};
+                    for (int axis = 0; axis < 4; ++axis) {
+                        const auto k = static_cast<uint64_t>(axis);
+                        c[axis] += move(hash64(hash, k), error[axis]);
+                    }
                     c.x += move(hash, most_px) * 2.0 / size_px_.x * c.w;
                     c.y += move(mix64(hash), most_px) * 2.0 / size_px_.y * c.w;
                     c.z = 0.5 * (c.z + c.w);

@@ -18,11 +18,23 @@ namespace {
 // Triangles are cut this many half screens from its middle, so that positions stay small.
 constexpr double kGuard = 4.0;
 
-// One 128th of a cell is what transforms in float may move a point by, there and here; the rest of
-// kDisplacement is for snapping and division.
-constexpr double kTransformShare = 1.0 / 128.0;
-
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// True if all corners of a box are beyond one side of the view.
+bool outside(const std::array<glm::vec4, 8>& corners, glm::vec2 size, float least_w)
+{
+    unsigned shared = ~0u;
+    for (const glm::vec4& c : corners) {
+        unsigned code = c.w < least_w ? 1u : 0u;
+        code |= c.x < 0.0f ? 2u : 0u;
+        code |= c.x > size.x * c.w ? 4u : 0u;
+        code |= c.y < 0.0f ? 8u : 0u;
+        code |= c.y > size.y * c.w ? 16u : 0u;
+        code |= c.z > c.w ? 32u : 0u;
+        shared &= code;
+    }
+    return shared != 0;
+}
 
 } // namespace
 
@@ -36,9 +48,10 @@ Grid::Grid(glm::ivec2 size, int cell)
 }
 
 // Rounding: every device, and the float transform here, misses the clip position of a point by at
-// most `error` each, because a point's position is a convex combination of its triangle's. At a w
-// of at least least_w that is at most kTransformShare of a cell inside of the screen, where
-// |x|, |y| < 2 w.
+// most `error` each, because a point's position is a convex combination of its triangle's. Inside
+// of the screen, where |x|, |y| < 2 w, that moves it by up to moved / w cells. Instances that are
+// far enough away pay little for that; others are cut where it becomes kMostDisplacement. In depth
+// it is error / w, which is linear on the screen like depth itself: part of the map.
 InstanceTransform::InstanceTransform(const View& view, const Grid& grid,
                                      const glm::mat4& world_from_mesh, const Aabb& box)
 {
@@ -72,35 +85,31 @@ InstanceTransform::InstanceTransform(const View& view, const Grid& grid,
                                    detail::absolute(glm::dvec3{box.max} - own.origin()))};
     const glm::dvec4 error = 2.0 * glm::dvec4{own.clip_rounding(1.001f * reach)};
     const double moved =
-        std::max(half.x * (error.x + 2.0 * error.w), half.y * (error.y + 2.0 * error.w));
-    least_w = static_cast<float>(1.1 * moved / kTransformShare);
-    least_z =
-        view.ignores_near_plane() ? -kInfinity : static_cast<float>(2.0 * (error.z + error.w));
+        1.1 * std::max(half.x * (error.x + 2.0 * error.w), half.y * (error.y + 2.0 * error.w));
+    const auto depth_error = static_cast<float>(error.z + 2.0 * error.w);
+    column[3].z += depth_error;
+    least_z = view.ignores_near_plane() ? -kInfinity : 3.0f * depth_error;
     guard_low = glm::vec2{half * (1.0 - kGuard)};
     guard_high = glm::vec2{half * (1.0 + kGuard)};
 
-    uint8_t shared = 255;
+    std::array<glm::vec4, 8> corners;
     float box_w = kInfinity;
-    for (int i = 0; i < 8; ++i) {
+    for (size_t i = 0; i < corners.size(); ++i) {
         const glm::vec3 p{(i & 1) != 0 ? box.max.x : box.min.x,
                           (i & 2) != 0 ? box.max.y : box.min.y,
                           (i & 4) != 0 ? box.max.z : box.min.z};
-        const glm::vec4 c = column[0] * p.x + column[1] * p.y + column[2] * p.z + column[3];
-        const glm::vec2 size{2.0 * half};
-        unsigned code = c.w < least_w ? 1u : 0u;
-        code |= c.x < 0.0f ? 2u : 0u;
-        code |= c.x > size.x * c.w ? 4u : 0u;
-        code |= c.y < 0.0f ? 8u : 0u;
-        code |= c.y > size.y * c.w ? 16u : 0u;
-        code |= c.z > c.w ? 32u : 0u;
-        shared &= static_cast<uint8_t>(code);
-        box_w = std::min(box_w, c.w);
+        corners[i] = column[0] * p.x + column[1] * p.y + column[2] * p.z + column[3];
+        box_w = std::min(box_w, corners[i].w);
     }
-    const double w = std::max(double{least_w}, 0.99 * double{box_w});
-    z_slack =
-        static_cast<float>(double{ScreenBounds::kDepthMargin} +
-                           double{view.inflation().depth_bias} + (error.z + 2.0 * error.w) / w);
-    usable = shared == 0 && least_w > 0.0f && least_w < kInfinity && z_slack < 1.0f;
+    const double displacement = box_w > 0.0f ? std::clamp(moved / (0.99 * double{box_w}),
+                                                          double{Growth::kLeastDisplacement},
+                                                          double{Growth::kMostDisplacement})
+                                             : double{Growth::kMostDisplacement};
+    least_w = static_cast<float>(moved / displacement);
+    growth = Growth(static_cast<float>(1.001 * displacement));
+    z_slack = ScreenBounds::kDepthMargin + view.inflation().depth_bias;
+    usable = !outside(corners, glm::vec2{2.0 * half}, least_w) && least_w > 0.0f &&
+             least_w < kInfinity && z_slack < 1.0f;
 }
 
 } // namespace occlude::cpu_fast

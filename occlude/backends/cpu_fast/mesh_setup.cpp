@@ -44,6 +44,7 @@ void MeshSetup::add(const OccluderMesh& mesh, const InstanceTransform& transform
     grid_ = grid;
     out_ = &out;
     z_slack_ = transform.z_slack;
+    growth_ = transform.growth;
     transform_vertices(mesh, transform);
     classify(mesh, transform);
     for (const OccluderMesh::Piece& piece : mesh.pieces()) {
@@ -292,7 +293,7 @@ void MeshSetup::emit_polygon(const Polygon& polygon, const std::array<bool, 3>& 
 void MeshSetup::emit_triangle(const Corner& a, const Corner& b, const Corner& c, PrimKind kind)
 {
     Prim prim;
-    if (make_triangle(a, b, c, kind, grid_.size_cells, prim)) {
+    if (make_triangle(a, b, c, kind, growth_, grid_.size_cells, prim)) {
         prim.piece = out_->piece_count;
         out_->prims.push_back(prim);
     }
@@ -301,7 +302,7 @@ void MeshSetup::emit_triangle(const Corner& a, const Corner& b, const Corner& c,
 void MeshSetup::emit_edge(const Corner& a, const Corner& b)
 {
     Prim prim;
-    if (make_edge(a, b, grid_.size_cells, prim)) {
+    if (make_edge(a, b, growth_, grid_.size_cells, prim)) {
         prim.piece = out_->piece_count;
         out_->prims.push_back(prim);
     }

@@ -9,8 +9,10 @@ namespace {
 
 // The cells of the grid that meet the range after they grew by `growth` subcells.
 CellRect cells_touched(const std::array<int32_t, 3>& x, const std::array<int32_t, 3>& y,
-                       int32_t growth, glm::ivec2 size)
+                       float growth_cells, glm::ivec2 size)
 {
+    const auto growth =
+        static_cast<int32_t>(std::ceil(growth_cells * static_cast<float>(kSubcells)));
     const auto first = [&](const std::array<int32_t, 3>& v) {
         return std::max((std::min({v[0], v[1], v[2]}) - growth - 1) >> kSubcellBits, 0);
     };
@@ -44,10 +46,10 @@ void set_edge(Prim& prim, size_t i, const Corner& from, const Corner& to)
 } // namespace
 
 bool make_triangle(const Corner& a, const Corner& b, const Corner& c, PrimKind kind,
-                   glm::ivec2 size_cells, Prim& prim)
+                   const Growth& growth, glm::ivec2 size_cells, Prim& prim)
 {
     const CellRect cells =
-        cells_touched({a.x, b.x, c.x}, {a.y, b.y, c.y}, kTouchGrowthSubcells, size_cells);
+        cells_touched({a.x, b.x, c.x}, {a.y, b.y, c.y}, growth.touch, size_cells);
     const float z_max = std::max({a.z, b.z, c.z});
     // Triangles beyond the far plane are not drawn, but count: their depth, 1 or more, hides
     // nothing in all cells that they touch.
@@ -72,13 +74,15 @@ bool make_triangle(const Corner& a, const Corner& b, const Corner& c, PrimKind k
     prim.z_max = z_max;
     prim.cells = cells;
     prim.kind = kind;
+    prim.growth = growth.touch + kRounding;
+    prim.threshold = kind == PrimKind::alone ? 0.5f + growth.edge : -(0.5f + growth.touch);
     return true;
 }
 
-bool make_edge(const Corner& a, const Corner& b, glm::ivec2 size_cells, Prim& prim)
+bool make_edge(const Corner& a, const Corner& b, const Growth& growth, glm::ivec2 size_cells,
+               Prim& prim)
 {
-    const CellRect cells =
-        cells_touched({a.x, b.x, b.x}, {a.y, b.y, b.y}, kEdgeGrowthSubcells, size_cells);
+    const CellRect cells = cells_touched({a.x, b.x, b.x}, {a.y, b.y, b.y}, growth.edge, size_cells);
     if (cells.empty() || (a.x == b.x && a.y == b.y)) {
         return false;
     }
@@ -89,6 +93,7 @@ bool make_edge(const Corner& a, const Corner& b, glm::ivec2 size_cells, Prim& pr
     prim.z_max = kErased;
     prim.cells = cells;
     prim.kind = PrimKind::edge;
+    prim.threshold = -(0.5f + growth.edge);
     return true;
 }
 
@@ -102,7 +107,7 @@ bool meets_tile(const Prim& prim, int tx, int ty)
                              prim.ny[i] * (y - static_cast<float>(prim.y[i]) * kCells);
         const float most = middle + std::abs(prim.nx[i]) * static_cast<float>(kTileWidth / 2) +
                            std::abs(prim.ny[i]) * static_cast<float>(kTileHeight / 2);
-        if (most < -1.0f) { // any growth, and rounding
+        if (most < -2.0f) { // any growth, and rounding
             return false;
         }
     }

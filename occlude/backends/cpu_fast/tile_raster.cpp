@@ -7,19 +7,6 @@ namespace occlude::cpu_fast {
 
 namespace {
 
-float threshold_of(PrimKind kind)
-{
-    switch (kind) {
-    case PrimKind::triangle:
-        return -(0.5f + kTouchGrowth);
-    case PrimKind::edge:
-        return -(0.5f + kEdgeGrowth);
-    case PrimKind::alone:
-        break;
-    }
-    return 0.5f + kEdgeGrowth;
-}
-
 // Cells of the grid as cells of the tile at (ox, oy).
 CellRect in_tile(const CellRect& cells, int ox, int oy)
 {
@@ -55,7 +42,7 @@ TilePrim tile_prim(const Prim& prim, int ox, int oy, const CellRect& cells)
         const double y = oy + 0.5 - prim.y[i] * kCells;
         out.c[i] = static_cast<float>(double{prim.nx[i]} * x + double{prim.ny[i]} * y);
     }
-    out.threshold = threshold_of(prim.kind);
+    out.threshold = prim.threshold;
     out.cells = cells;
     out.zx = prim.zx;
     out.zy = prim.zy;
@@ -69,7 +56,7 @@ TilePrim tile_prim(const Prim& prim, int ox, int oy, const CellRect& cells)
     const double x = ox + 0.5 - prim.x[0] * kCells;
     const double y = oy + 0.5 - prim.y[0] * kCells;
     out.z = static_cast<float>(double{prim.z} + double{prim.zx} * x + double{prim.zy} * y +
-                               slope * (0.5 + double{kTouchGrowth} + double{kRounding}) + 0x1p-21);
+                               slope * (0.5 + double{prim.growth}) + 0x1p-21);
     return out;
 }
 

@@ -1,6 +1,7 @@
 // How an instance of a mesh comes onto the grid of a view.
 #pragma once
 
+#include <occlude/backends/cpu_fast/detail/prim.h>
 #include <occlude/core/aabb.h>
 #include <occlude/core/view.h>
 
@@ -39,6 +40,7 @@ struct InstanceTransform {
     float least_z = 0.0f;      ///< window depth * w at the near plane, and what it is off by
     glm::vec2 guard_low{0.0f}; ///< x >= guard_low * w, in cells
     glm::vec2 guard_high{0.0f};
+    Growth growth;
     float z_slack = 0.0f;    ///< what depth may be off by, in window depth
     float front_sign = 1.0f; ///< counter-clockwise in the mesh: this times the area on the grid > 0
     bool usable = false;

@@ -62,6 +62,7 @@ private:
     std::vector<Polygon> polygons_;
     bool any_clipped_ = false;
     float z_slack_ = 0.0f;
+    Growth growth_;
     Grid grid_;
     PrimBatch* out_ = nullptr;
 };

@@ -25,18 +25,24 @@ constexpr int kTileHeight = 32;
 /// By how much edge functions and bounds may be off when they are compared, in cells: positions up
 /// to 2^14 cells away, edge normals of 24 bits.
 constexpr float kRounding = 0x1p-8f;
-/// A triangle counts for a cell that grew by this, so that it counts wherever a device whose
-/// vertices lie up to kDisplacement elsewhere draws it.
-constexpr int32_t kTouchGrowthSubcells = 8; // 1/32 cell
-constexpr float kTouchGrowth = 1.0f / 32.0f;
-/// How far a point of an occluder may be from where the device draws it, in cells: transforms,
-/// snapping here and there, division.
-constexpr float kDisplacement = 1.0f / 64.0f;
-/// An open edge counts for a cell that grew by this.
-constexpr int32_t kEdgeGrowthSubcells = 16;
-constexpr float kEdgeGrowth = 1.0f / 16.0f;
-static_assert(kTouchGrowth >= kDisplacement + kRounding);
-static_assert(kEdgeGrowth >= kTouchGrowth + 2.0f * kRounding + kDisplacement);
+/// What snapping here and there and the division may move a point of an occluder by, in cells.
+constexpr float kSnapping = 1.0f / 128.0f;
+
+/// How much cells grow for the comparisons of one instance, in cells.
+struct Growth {
+    /// For an instance whose points the transforms in float, there and here, may move by up to
+    /// `displacement` cells.
+    explicit Growth(float displacement = kLeastDisplacement)
+        : touch(displacement + kSnapping + kRounding)
+        , edge(touch + displacement + kSnapping + 2.0f * kRounding)
+    {
+    }
+    static constexpr float kLeastDisplacement = 1.0f / 128.0f;
+    static constexpr float kMostDisplacement = 1.0f / 4.0f;
+
+    float touch; ///< a triangle counts for a cell that grew by this: wherever a device draws it
+    float edge;  ///< an open edge counts for a cell that grew by this: before a device moves it in
+};
 
 /// Depth of cells that a piece does not touch, and that an open edge takes away from it.
 constexpr float kUntouched = -1.0f;
@@ -75,8 +81,10 @@ struct Prim {
     std::array<int32_t, 3> y{};
     float zx = 0.0f; ///< depth per cell
     float zy = 0.0f;
-    float z = 0.0f;     ///< depth at the first corner
-    float z_max = 0.0f; ///< nothing of it is farther
+    float z = 0.0f;         ///< depth at the first corner
+    float z_max = 0.0f;     ///< nothing of it is farther
+    float growth = 0.0f;    ///< depth is that of cells that grew by this
+    float threshold = 0.0f; ///< a cell counts where all edge functions are at least this
     CellRect cells;
     uint32_t piece = 0;
     PrimKind kind = PrimKind::triangle;
@@ -85,9 +93,10 @@ struct Prim {
 /// A triangle, its corners counter-clockwise on the grid. False if it touches no cell of the grid.
 /// Precondition: its area is positive.
 bool make_triangle(const Corner& a, const Corner& b, const Corner& c, PrimKind kind,
-                   glm::ivec2 size_cells, Prim& prim);
+                   const Growth& growth, glm::ivec2 size_cells, Prim& prim);
 /// A band around an edge. False if it has no length, or touches no cell of the grid.
-bool make_edge(const Corner& a, const Corner& b, glm::ivec2 size_cells, Prim& prim);
+bool make_edge(const Corner& a, const Corner& b, const Growth& growth, glm::ivec2 size_cells,
+               Prim& prim);
 /// False only if the prim touches no cell of tile (tx, ty).
 bool meets_tile(const Prim& prim, int tx, int ty);
 
