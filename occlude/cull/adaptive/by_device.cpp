@@ -6,25 +6,25 @@ namespace occlude {
 
 void TestingByDevice::drop_late_tests(std::vector<Ticket>& tickets)
 {
-    for (const LateTest& test : late_) {
+    for (const LateTest& test : late_.pending) {
         tickets.push_back(test.ticket);
     }
-    late_.clear();
+    late_.pending.clear();
 }
 
 // --- what was drawn, tested for a frame to come --------------------------------------------------
 
 void TestingByDevice::take_late_answers(CullFrame& frame)
 {
-    turned_hidden_.clear();
-    std::erase_if(late_, [&](const LateTest& test) {
+    late_.turned_hidden.clear();
+    std::erase_if(late_.pending, [&](const LateTest& test) {
         const Answer answer = frame.poll(test.ticket);
         if (!is_visible(answer, 0)) {
-            turned_hidden_.push_back(test.entry);
+            late_.turned_hidden.push_back(test.entry);
         }
         return answer.state != AnswerState::pending;
     });
-    std::sort(turned_hidden_.begin(), turned_hidden_.end());
+    std::sort(late_.turned_hidden.begin(), late_.turned_hidden.end());
 }
 
 // The longer ago its last test, the sooner one pays again.
@@ -57,32 +57,32 @@ void TestingByDevice::retest(CullFrame& frame)
     // Late tests leave the other half of the device's tickets to the rounds of the next frame.
     const size_t max_late = frame.caps().max_outstanding / 2;
 
-    batch_.clear();
+    late_.batch.clear();
     coverage_.start_frame(frame.view().size_px());
-    const size_t first = late_.size();
+    const size_t first = late_.pending.size();
     for (CutCandidate& candidate : shared_.cut.drawn()) {
         Entry& entry = candidate.entry;
         if (shared_.cut.opens(entry)) {
             keep_parts_visible(frame, candidate);
             continue;
         }
-        if (late_.size() < max_late && frame.free_tickets(late_.size()) > 0 &&
+        if (late_.pending.size() < max_late && frame.free_tickets(late_.pending.size()) > 0 &&
             retest_pays(frame, candidate)) {
-            batch_.add_box(shared_.test_box(frame, entry), entry.node);
-            batch_.end_test();
-            late_.push_back({Ticket{}, CutTraversal::name_of(entry)});
+            late_.batch.add_box(shared_.test_box(frame, entry), entry.node);
+            late_.batch.end_test();
+            late_.pending.push_back({Ticket{}, CutTraversal::name_of(entry)});
             entry.tested = frame.stamp();
         }
         shared_.cut.keep_visible(entry);
     }
-    if (batch_.empty()) {
+    if (late_.batch.empty()) {
         return;
     }
-    frame.query(batch_, tickets_, shared_.planner.method());
-    for (size_t i = 0; i < tickets_.size(); ++i) {
-        late_[first + i].ticket = tickets_[i];
+    frame.query(late_.batch, late_.tickets, shared_.planner.method());
+    for (size_t i = 0; i < late_.tickets.size(); ++i) {
+        late_.pending[first + i].ticket = late_.tickets[i];
     }
-    const auto tests = static_cast<double>(tickets_.size());
+    const auto tests = static_cast<double>(late_.tickets.size());
     shared_.meter.spend(shared_.costs().round(shared_.planner.method()).of(tests), tests);
 }
 
@@ -123,7 +123,7 @@ void TestingByDevice::open_near(CullFrame& frame, const CutCandidate& candidate)
 }
 
 // Leaves in `round_` what will be tested: of the candidates in the frustum, those that a test may
-// see and that are worth one.
+// see and that are worth one; and then the members of groups that failed.
 void TestingByDevice::collect_round(CullFrame& frame, bool first_round)
 {
     round_.clear();
@@ -139,6 +139,12 @@ void TestingByDevice::collect_round(CullFrame& frame, bool first_round)
             draw_untested(frame, candidate);
         } else {
             round_.push_back(candidate);
+        }
+    }
+    line_up();
+    for (const Test& part : parts_) {
+        for (const uint32_t member : batcher_.members(part)) {
+            round_.push_back(asked_[member]);
         }
     }
     if (!first_round) {
@@ -159,69 +165,69 @@ void TestingByDevice::end_rounds_unless_worthwhile(CullFrame& frame)
             draw_untested(frame, candidate);
         }
         round_.clear();
+        in_line_.clear();
+        parts_.clear();
     }
 }
 
 // --- which candidates share a test ---------------------------------------------------------------
 
-// Those that were hidden for longest come first and may share queries; the parts of groups that
-// failed come last and stay together. By flags each box costs the same, whatever it shares.
+// Those that were hidden for longest come first and may share queries. By flags each box costs the
+// same, whatever it shares.
 void TestingByDevice::sort_for_groups()
 {
-    keep_.clear();
-    if (shared_.planner.method() != TestMethod::queries) {
-        return;
+    if (shared_.planner.method() == TestMethod::queries) {
+        std::stable_sort(round_.begin(), round_.end(),
+                         [](const CutCandidate& a, const CutCandidate& b) {
+                             return a.entry.frames_hidden > b.entry.frames_hidden;
+                         });
     }
-    std::stable_sort(
-        round_.begin(), round_.end(), [](const CutCandidate& a, const CutCandidate& b) {
-            return a.failed_group != b.failed_group ? a.failed_group < b.failed_group
-                                                    : a.entry.frames_hidden > b.entry.frames_hidden;
-        });
+}
+
+// Makes the candidates of `round_` members of tests to come, in the order in which they are asked.
+void TestingByDevice::line_up()
+{
+    sort_for_groups();
+    in_line_.clear();
     double last = 1.0;
-    for (const CutCandidate& candidate : round_) {
-        if (candidate.failed_group != 0) {
-            break;
-        }
-        // The measured table need not be monotonic; the greedy choice of group sizes wants it so.
-        last = std::min(last, keep_table_.keep_probability(candidate.entry.frames_hidden));
-        keep_.push_back(last);
+    for (uint32_t i = 0; i < round_.size(); ++i) {
+        // The measured table need not be monotonic; the order of groups shall be that of `round_`.
+        last = std::min(last, keep_table_.keep_probability(round_[i].entry.frames_hidden));
+        in_line_.push_back({static_cast<uint32_t>(asked_.size()), last, i});
+        asked_.push_back(round_[i]);
     }
 }
 
-uint32_t TestingByDevice::group_size(uint32_t first) const
+auto TestingByDevice::add_boxes(CullFrame& frame) const
 {
-    if (first < keep_.size()) {
-        return static_cast<uint32_t>(best_multiquery_size(
-            std::span<const double>{keep_}.subspan(first), max_tested_singly()));
-    }
-    const uint32_t group = round_[first].failed_group;
-    uint32_t count = 1;
-    while (group != 0 && first + count < round_.size() &&
-           round_[first + count].failed_group == group) {
-        ++count;
-    }
-    return count;
+    return [this, &frame](MultiqueryBatcher::Member member, TestBatch& batch) {
+        const Entry& entry = asked_[member].entry;
+        batch.add_box(shared_.test_box(frame, entry), entry.node);
+    };
 }
 
-// Fills the batch with at most `max_tests` tests of round_ from `first` on, and returns where it
-// ends.
-uint32_t TestingByDevice::group_tests(CullFrame& frame, uint32_t first, size_t max_tests)
+// Adds at most `max_tests` tests of in_line_ from `first` on, and returns where they end.
+size_t TestingByDevice::add_tests(CullFrame& frame, size_t first, size_t max_tests)
 {
-    groups_.clear();
-    batch_.clear();
-    while (first < round_.size() && groups_.size() < max_tests) {
-        const uint32_t count = group_size(first);
-        for (uint32_t i = first; i < first + count; ++i) {
-            const Entry& entry = round_[i].entry;
-            batch_.add_box(shared_.test_box(frame, entry), entry.node);
-        }
-        batch_.end_test();
-        groups_.push_back({first, count});
-        kept_tests_ += round_[first].entry.state == HierarchyCut::State::hidden ? 1.0 : 0.0;
-        frame.counters().multiqueries += spans_nodes(groups_.back()) ? 1 : 0;
-        first += count;
+    const std::span<MultiqueryBatcher::Candidate> left = std::span{in_line_}.subspan(first);
+    if (shared_.planner.method() == TestMethod::queries) {
+        return first + batcher_.add_groups(left, max_tests, add_boxes(frame), [](const Test&) {});
     }
-    return first;
+    const size_t count = std::min(left.size(), max_tests);
+    for (const MultiqueryBatcher::Candidate& candidate : left.first(count)) {
+        batcher_.add_test({&candidate.member, 1}, add_boxes(frame));
+    }
+    return first + count;
+}
+
+// The same of parts_.
+size_t TestingByDevice::add_parts(CullFrame& frame, size_t first, size_t max_tests)
+{
+    const size_t end = first + std::min(parts_.size() - first, max_tests);
+    for (size_t i = first; i < end; ++i) {
+        batcher_.add_part(parts_[i], add_boxes(frame));
+    }
+    return end;
 }
 
 // A failed group is halved as long as that is cheaper than to test its nodes one by one: one more
@@ -237,26 +243,6 @@ size_t TestingByDevice::max_tested_singly() const
 }
 
 // --- answers -------------------------------------------------------------------------------------
-
-// A multiquery, as the counters mean it: items of one node that share a test are none.
-bool TestingByDevice::spans_nodes(const Group& group) const
-{
-    const std::span members = std::span{round_}.subspan(group.first, group.count);
-    return std::ranges::any_of(members, [&](const CutCandidate& candidate) {
-        return candidate.entry.node != members.front().entry.node;
-    });
-}
-
-// A group that shows something is asked again in parts.
-void TestingByDevice::split(const Group& group)
-{
-    const size_t part = failed_multiquery_part(group.count, max_tested_singly());
-    for (uint32_t k = 0; k < group.count; ++k) {
-        failed_groups_ += k % part == 0 ? 1 : 0;
-        round_[group.first + k].failed_group = failed_groups_;
-        next_round_.push_back(round_[group.first + k]);
-    }
-}
 
 void TestingByDevice::take_answer(CullFrame& frame, const CutCandidate& candidate, bool visible,
                                   bool alone)
@@ -280,25 +266,28 @@ void TestingByDevice::take_answer(CullFrame& frame, const CutCandidate& candidat
     }
 }
 
-void TestingByDevice::take_answers(CullFrame& frame)
+// A group that shows something is asked again in parts.
+void TestingByDevice::take_answers(CullFrame& frame, std::span<const Test> tests)
 {
-    for (size_t i = 0; i < groups_.size(); ++i) {
-        const Group group = groups_[i];
-        const bool visible = is_visible(frame.wait(tickets_[i]), 0);
-        if (visible && group.count > 1) {
-            frame.counters().multiqueries_failed += spans_nodes(group) ? 1 : 0;
-            split(group);
+    for (const Test& test : tests) {
+        const std::span<const uint32_t> members = batcher_.members(test);
+        const Entry& first = asked_[members.front()].entry;
+        kept_tests_ += first.state == HierarchyCut::State::hidden ? 1.0 : 0.0;
+        const bool visible = is_visible(frame.wait(test.ticket), 0);
+        if (visible && test.count > 1) {
+            batcher_.split(frame, test, [&](const Test& part) { next_parts_.push_back(part); });
             continue;
         }
-        for (uint32_t k = 0; k < group.count; ++k) {
-            take_answer(frame, round_[group.first + k], visible, group.count == 1);
+        for (const uint32_t member : members) {
+            take_answer(frame, asked_[member], visible, test.count == 1);
         }
     }
 }
 
 // --- rounds --------------------------------------------------------------------------------------
 
-// Asks the batch, and waits for what has to be known before anything else can be decided.
+// Asks the tests that were added, and waits for what has to be known before anything else can be
+// decided.
 void TestingByDevice::ask(CullFrame& frame, bool first_round)
 {
     // A round of fewer tests does not tell what one costs.
@@ -308,49 +297,70 @@ void TestingByDevice::ask(CullFrame& frame, bool first_round)
     const TestMethod method = shared_.planner.method();
     const double queued_us = shared_.cut.queued_us(frame);
     const double from = meter.now_us();
+    const size_t boxes = batcher_.box_count();
     frame.flush_draws();
-    frame.query(batch_, tickets_, method);
-    take_answers(frame);
+    const std::span<const Test> tests = batcher_.submit(frame, method);
+    take_answers(frame, tests);
     const double to = meter.now_us();
     meter.check_clock(from, to);
-    const size_t boxes = batch_.boxes().size();
-    if (!first_round && groups_.size() >= kMinTests) {
-        meter.note_round(method, groups_.size(), boxes, std::max(to - from - queued_us, 0.0));
+    if (!first_round && tests.size() >= kMinTests) {
+        meter.note_round(method, tests.size(), boxes, std::max(to - from - queued_us, 0.0));
     }
-    const auto tests = static_cast<double>(groups_.size());
-    meter.spend(shared_.costs().round(method).of(tests, static_cast<double>(boxes)), tests);
+    const auto count = static_cast<double>(tests.size());
+    meter.spend(shared_.costs().round(method).of(count, static_cast<double>(boxes)), count);
+}
+
+// Asks all of the round, as many tests at once as the device has tickets for. What it has none for
+// is drawn.
+void TestingByDevice::test_round(CullFrame& frame, bool first_round)
+{
+    next_round_.clear();
+    next_parts_.clear();
+    size_t in_line = 0;
+    size_t part = 0;
+    while (in_line < in_line_.size() || part < parts_.size()) {
+        const size_t free_tickets = frame.free_tickets(late_.pending.size());
+        if (free_tickets == 0) {
+            break;
+        }
+        batcher_.set_most_singly(max_tested_singly());
+        in_line = add_tests(frame, in_line, free_tickets);
+        part = add_parts(frame, part, free_tickets - batcher_.test_count());
+        ask(frame, first_round);
+    }
+    for (; in_line < in_line_.size(); ++in_line) {
+        draw_untested(frame, asked_[in_line_[in_line].member]);
+    }
+    for (; part < parts_.size(); ++part) {
+        for (const uint32_t member : batcher_.members(parts_[part])) {
+            draw_untested(frame, asked_[member]);
+        }
+    }
 }
 
 void TestingByDevice::test_in_rounds(CullFrame& frame, double since_us)
 {
     CostMeter& meter = shared_.meter;
-    failed_groups_ = 0;
+    batcher_.clear();
+    asked_.clear();
+    parts_.clear();
     kept_tests_ = 0.0;
     kept_ = 0.0;
-    for (bool first_round = true; !shared_.cut.candidates().empty(); first_round = false) {
+    for (bool first_round = true; !shared_.cut.candidates().empty() || !parts_.empty();
+         first_round = false) {
         collect_round(frame, first_round);
         if (round_.empty()) {
             break;
         }
-        sort_for_groups();
-        next_round_.clear();
-        for (uint32_t first = 0; first < round_.size();) {
-            const size_t free_tickets = frame.free_tickets(late_.size());
-            if (free_tickets == 0) {
-                draw_untested(frame, round_[first]);
-                ++first;
-                continue;
-            }
-            first = group_tests(frame, first, free_tickets);
-            ask(frame, first_round);
-        }
+        test_round(frame, first_round);
         if (first_round) { // the device is idle: what did drawing cost?
             meter.note_drawing(shared_.drawn_units(frame),
                                meter.now_us() - since_us - meter.spent_us());
         }
-        trials_.try_one(frame, round_, frame.free_tickets(late_.size()));
+        trials_.try_one(frame, round_, frame.free_tickets(late_.pending.size()));
         shared_.update_prices();
         shared_.cut.candidates().swap(next_round_);
+        parts_.swap(next_parts_);
     }
     shared_.planner.note_sharing(kept_tests_, kept_);
     shared_.update_prices();

@@ -1,9 +1,11 @@
 // The frames of `adaptive` that test on the device: rounds of tests, each for what the last one
 // revealed, and tests of what is drawn whose answers are for a frame to come.
 //
-//    candidates --> collect_round --> group_tests --> query, wait --> hidden: kept
-//         ^                                                  |        visible: drawn, or
-//         +---------- its parts; the halves of a group ------+                 opened
+//    candidates --> collect_round --> add_tests, add_parts --> ask, wait --> hidden: kept
+//         ^                               ^                         |        visible: drawn, or
+//         +-- the parts of a node --------+-- the parts of a group -+                 opened
+//
+// Which candidates share a test, and what follows if it fails, is MultiqueryBatcher's work.
 //
 //    what is drawn --> retest --> the answers come in a later frame --> turned_hidden()
 //
@@ -16,6 +18,7 @@
 #include <occlude/cull/adaptive/shared.h>
 #include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/coverage.h>
+#include <occlude/cull/parts/multiquery.h>
 
 #include <cstdint>
 #include <span>
@@ -42,7 +45,7 @@ public:
     /// Reads the answers for this frame that are there by now.
     void take_late_answers(CullFrame& frame);
     /// Entries that were visible and have turned out hidden, by CutTraversal::name_of(), ascending.
-    std::span<const uint64_t> turned_hidden() const { return turned_hidden_; }
+    std::span<const uint64_t> turned_hidden() const { return late_.turned_hidden; }
 
     /// Tests the candidates in rounds, draws what shows, and tests what was drawn for frames to
     /// come. Precondition: what was visible is drawn. `since_us`: when drawing began.
@@ -54,15 +57,17 @@ public:
 private:
     using Entry = HierarchyCut::Entry;
 
-    /// One test: candidates [first, first + count) of round_.
-    struct Group {
-        uint32_t first = 0;
-        uint32_t count = 0;
-    };
+    using Test = MultiqueryBatcher::Test; // of candidates: its members are indices into asked_
     /// A test of what is drawn, whose answer is for a frame to come.
     struct LateTest {
         Ticket ticket;
         uint64_t entry = 0; ///< its CutTraversal::name_of()
+    };
+    struct LateTests {
+        std::vector<LateTest> pending;
+        std::vector<uint64_t> turned_hidden; ///< names of entries, as answered in this frame
+        TestBatch batch;
+        std::vector<Ticket> tickets; ///< scratch, of `batch`
     };
 
     void test_in_rounds(CullFrame& frame, double since_us);
@@ -72,13 +77,14 @@ private:
     void end_rounds_unless_worthwhile(CullFrame& frame);
     void draw_untested(CullFrame& frame, const CutCandidate& candidate);
 
+    void test_round(CullFrame& frame, bool first_round);
     void sort_for_groups();
-    uint32_t group_size(uint32_t first) const;
-    uint32_t group_tests(CullFrame& frame, uint32_t first, size_t max_tests);
+    void line_up();
+    size_t add_tests(CullFrame& frame, size_t first, size_t max_tests);
+    size_t add_parts(CullFrame& frame, size_t first, size_t max_tests);
+    auto add_boxes(CullFrame& frame) const;
     void ask(CullFrame& frame, bool first_round);
-    void take_answers(CullFrame& frame);
-    bool spans_nodes(const Group& group) const;
-    void split(const Group& group);
+    void take_answers(CullFrame& frame, std::span<const Test> tests);
     void take_answer(CullFrame& frame, const CutCandidate& candidate, bool visible, bool alone);
     size_t max_tested_singly() const;
 
@@ -97,23 +103,22 @@ private:
     MethodTrials& trials_;
 
     // The round under way.
-    std::vector<CutCandidate> round_;
+    std::vector<CutCandidate> round_; ///< all that it tests
     std::vector<CutCandidate> next_round_;
-    std::vector<double> keep_; ///< of the front of round_: the chance to stay hidden, descending
-    std::vector<Group> groups_;
-    TestBatch batch_;
-    std::vector<Ticket> tickets_;
+    std::vector<MultiqueryBatcher::Candidate> in_line_; ///< of round_, those not in parts_
+    std::vector<Test> parts_;                           ///< of groups that failed before
+    std::vector<Test> next_parts_;                      ///< ... and in this round
 
     // Of the frame.
-    uint32_t failed_groups_ = 0; ///< the last number given to a part of a failed group
-    double kept_tests_ = 0.0;    ///< tests of what was hidden before
-    double kept_ = 0.0;          ///< what was hidden before and was asked again
+    MultiqueryBatcher batcher_;
+    std::vector<CutCandidate> asked_;
+    double kept_tests_ = 0.0; ///< tests of what was hidden before
+    double kept_ = 0.0;       ///< what was hidden before and was asked again
 
     // Over frames.
     KeepTable keep_table_;
     ScreenCoverage coverage_;
-    std::vector<LateTest> late_;
-    std::vector<uint64_t> turned_hidden_;
+    LateTests late_;
 };
 
 } // namespace occlude

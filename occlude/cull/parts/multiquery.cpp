@@ -26,18 +26,19 @@ void MultiqueryBatcher::sort_by_falling_keep(std::span<Candidate> candidates)
     }
 }
 
-std::span<const MultiqueryBatcher::Test> MultiqueryBatcher::submit(CullFrame& frame)
+std::span<const MultiqueryBatcher::Test> MultiqueryBatcher::submit(CullFrame& frame,
+                                                                   TestMethod method)
 {
     issued_.clear();
     if (batch_.empty()) {
         return issued_;
     }
-    frame.query(batch_, tickets_);
+    frame.query(batch_, tickets_, method);
     std::swap(issued_, added_);
     OCCLUDE_ASSERT(tickets_.size() == issued_.size(), "a batch has one ticket for each test");
     for (size_t i = 0; i < issued_.size(); ++i) {
         issued_[i].ticket = tickets_[i];
-        frame.counters().multiqueries += issued_[i].count > 1 ? 1 : 0;
+        frame.counters().multiqueries += issued_[i].spans_nodes ? 1 : 0;
     }
     batch_.clear();
     return issued_;

@@ -34,9 +34,10 @@ public:
         uint32_t order = 0; ///< of equally probable ones, the smallest comes first
     };
     struct Test {
-        Ticket ticket;
+        Ticket ticket = {};
         uint32_t first = 0; ///< into the members of this frame
         uint32_t count = 0;
+        bool spans_nodes = false; ///< a multiquery, as the counters mean it: boxes of several nodes
     };
 
     /// A failed group of more than `most_singly` nodes is split into halves, a smaller one into its
@@ -46,10 +47,16 @@ public:
     {
     }
 
+    /// The same from now on.
+    void set_most_singly(size_t most_singly) { most_singly_ = most_singly; }
+
     /// Forgets all tests; before each frame.
     void clear();
     /// True if no test was added since the last submit().
     bool empty() const { return batch_.empty(); }
+    /// The tests added since the last submit(), and their boxes.
+    size_t test_count() const { return batch_.test_count(); }
+    size_t box_count() const { return batch_.boxes().size(); }
 
     /// Adds one test. add_boxes(member, batch) adds the boxes of one member, at least one.
     template <class AddBoxes>
@@ -68,7 +75,7 @@ public:
 
     /// Issues the tests added since the last call as one batch, and returns them in their order
     /// with their tickets; valid until the next call.
-    std::span<const Test> submit(CullFrame& frame);
+    std::span<const Test> submit(CullFrame& frame, TestMethod method = TestMethod::automatic);
 
     std::span<const Member> members(const Test& test) const
     {
@@ -97,8 +104,8 @@ template <class AddBoxes>
 MultiqueryBatcher::Test MultiqueryBatcher::add_test(std::span<const Member> members,
                                                     AddBoxes&& add_boxes)
 {
-    const Test test{Ticket{}, static_cast<uint32_t>(members_.size()),
-                    static_cast<uint32_t>(members.size())};
+    const Test test{.first = static_cast<uint32_t>(members_.size()),
+                    .count = static_cast<uint32_t>(members.size())};
     members_.insert(members_.end(), members.begin(), members.end());
     return add_part(test, add_boxes);
 }
@@ -107,11 +114,15 @@ template <class AddBoxes>
 MultiqueryBatcher::Test MultiqueryBatcher::add_part(const Test& part, AddBoxes&& add_boxes)
 {
     OCCLUDE_ASSERT(part.first + part.count <= members_.size(), "a test of another frame");
+    const size_t first_box = batch_.boxes().size();
     for (const Member member : members(part)) {
         add_boxes(member, batch_);
     }
     batch_.end_test();
-    added_.push_back({Ticket{}, part.first, part.count});
+    const std::span<const QueryBox> boxes = batch_.boxes().subspan(first_box);
+    const bool spans_nodes = std::ranges::any_of(
+        boxes, [&](const QueryBox& box) { return box.subject != boxes.front().subject; });
+    added_.push_back({Ticket{}, part.first, part.count, spans_nodes});
     return added_.back();
 }
 
@@ -136,11 +147,11 @@ size_t MultiqueryBatcher::add_groups(std::span<Candidate> candidates, size_t mos
 template <class Each>
 void MultiqueryBatcher::split(CullFrame& frame, const Test& failed, Each&& each)
 {
-    ++frame.counters().multiqueries_failed;
+    frame.counters().multiqueries_failed += failed.spans_nodes ? 1 : 0;
     OCCLUDE_ASSERT(failed.count > 1, "a test of one node is an answer");
     const auto most = static_cast<uint32_t>(failed_multiquery_part(failed.count, most_singly_));
     for (uint32_t i = 0; i < failed.count; i += most) {
-        each(Test{Ticket{}, failed.first + i, std::min(most, failed.count - i)});
+        each(Test{.first = failed.first + i, .count = std::min(most, failed.count - i)});
     }
 }
 
