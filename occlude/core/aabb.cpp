@@ -1,5 +1,7 @@
 #include <occlude/core/aabb.h>
 
+#include <occlude/core/assert.h>
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -21,7 +23,8 @@ float surface_area(const Aabb& box)
 
 Aabb inflated(const Aabb& box, float margin)
 {
-    return box.is_empty() ? box : Aabb{box.min - margin, box.max + margin};
+    OCCLUDE_ASSERT(!(margin < 0.0f), "inflated() cannot shrink a box: the margin is negative");
+    return box.is_empty() || margin < 0.0f ? box : Aabb{box.min - margin, box.max + margin};
 }
 
 Aabb transformed(const glm::mat4& to_from, const Aabb& box)

@@ -1,5 +1,7 @@
 #include <occlude/core/bounding_sphere.h>
 
+#include <occlude/core/assert.h>
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -23,6 +25,7 @@ BoundingSphere bounding_sphere(const Aabb& box)
 
 bool is_elongated(const Aabb& box, float ratio)
 {
+    OCCLUDE_ASSERT(ratio >= 1.0f, "no extent is less than once as long as a shorter one");
     if (!box.is_bounded()) {
         return false;
     }

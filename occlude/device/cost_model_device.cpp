@@ -44,8 +44,10 @@ void CostModelDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
     inner().query(batch, tickets);
     work(costs_.per_batch);
+    OCCLUDE_ASSERT(tickets.size() == batch.test_ends.size(),
+                   "CostModelDevice::query needs one ticket per test");
     uint32_t first = 0;
-    for (size_t i = 0; i < tickets.size(); ++i) {
+    for (size_t i = 0; i < std::min(tickets.size(), batch.test_ends.size()); ++i) {
         work(costs_.per_test + costs_.per_box * (batch.test_ends[i] - first));
         first = batch.test_ends[i];
         tickets[i] = hold(tickets[i]);

@@ -8,6 +8,7 @@
 //            has come back. end_frame() waits for all commands.
 #pragma once
 
+#include <occlude/core/assert.h>
 #include <occlude/core/ticket_table.h>
 #include <occlude/device/forwarding_device.h>
 
@@ -41,6 +42,9 @@ public:
         , costs_(costs)
         , triangles_by_item_(triangles_by_item)
     {
+        OCCLUDE_ASSERT(costs.per_frame >= 0.0 && costs.latency >= 0.0 &&
+                           costs.per_triangle >= 0.0 && costs.per_test >= 0.0,
+                       "no work takes less than no time");
     }
 
     /// The host's time, in seconds.

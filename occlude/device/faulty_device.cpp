@@ -1,5 +1,6 @@
 #include <occlude/device/faulty_device.h>
 
+#include <occlude/core/assert.h>
 #include <occlude/core/rng.h>
 
 #include <algorithm>
@@ -18,6 +19,10 @@ FaultyDevice::FaultyDevice(QueryDevice& inner, const Faults& faults)
     , faults_(faults)
     , caps_(inner.caps())
 {
+    OCCLUDE_ASSERT(faults.lost <= 1000 && faults.never_ready <= 1000 && faults.depth_fails <= 1000,
+                   "faults happen to at most 1000 of a thousand");
+    OCCLUDE_ASSERT(faults.max_polls < ~0u && faults.max_frames < ~0u,
+                   "the delays of a FaultyDevice are shorter than 2^32 - 1");
     if (faults_.max_outstanding != 0) {
         caps_.max_outstanding = std::min(caps_.max_outstanding, faults_.max_outstanding);
     }

@@ -35,9 +35,11 @@ void HandedDepthDevice::hand_over(glm::ivec2 size_px, std::span<const float> dep
 
 void HandedDepthDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
+    OCCLUDE_ASSERT(tickets.size() == batch.test_ends.size(),
+                   "HandedDepthDevice::query needs one ticket per test");
     pyramid_.answer(view_, batch, answers_);
     for (size_t i = 0; i < tickets.size(); ++i) {
-        const bool room = tickets_.size() < caps_.max_outstanding;
+        const bool room = i < answers_.size() && tickets_.size() < caps_.max_outstanding;
         tickets[i] = room ? tickets_.add(answers_[i]) : Ticket{};
     }
 }

@@ -178,6 +178,8 @@ void ScriptedDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
     uint32_t begin = 0;
     for (size_t i = 0; i < std::min(tickets.size(), batch.test_ends.size()); ++i) {
         const uint32_t end = batch.test_ends[i];
+        OCCLUDE_ASSERT(end >= begin && end <= batch.boxes.size(),
+                       "the ends of the tests of a batch ascend, up to the number of boxes");
         if (end < begin || end > batch.boxes.size()) {
             continue; // C6 is broken: the ticket stays invalid, so it answers lost
         }

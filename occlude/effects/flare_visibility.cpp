@@ -118,17 +118,21 @@ double centers_between(double low, double high)
 float flare_radius_px(const View& view, const glm::vec3& position_world, float radius_world,
                       float smallest, float largest)
 {
+    OCCLUDE_ASSERT(radius_world >= 0.0f, "the radius of a light's ball is not negative");
+    OCCLUDE_ASSERT(smallest <= largest, "the smallest radius of a flare is above its largest");
     const glm::dmat4 rows = glm::transpose(view.clip_from_relative());
     const double w = glm::dot(rows[3], glm::dvec4{glm::dvec3{position_world} - view.origin(), 1.0});
     if (!(w > 0.0)) {
         return smallest;
     }
     const double pixels_per_unit = 0.5 * view.size_px().y * glm::length(glm::dvec3{rows[1]}) / w;
-    return std::clamp(static_cast<float>(radius_world * pixels_per_unit), smallest, largest);
+    const auto radius_px = static_cast<float>(radius_world * pixels_per_unit);
+    return std::max(std::min(radius_px, largest), smallest);
 }
 
 FlareDisc make_flare_disc(const View& view, const FlareLight& light)
 {
+    OCCLUDE_ASSERT(light.position_world.w >= 0.0f, "the w of a light is 1, or 0 at infinity");
     FlareDisc disc;
     if (view.size_px().x <= 0 || view.size_px().y <= 0) {
         return disc;
@@ -293,6 +297,7 @@ void FlareVisibility::issue(QueryDevice& device, Ticket Measurement::*ticket)
 
 void FlareVisibility::begin_frame(const View& view, QueryDevice& device)
 {
+    in_frame_ = true;
     const double now = options_.clock ? options_.clock() : static_cast<double>(frame_);
     collect(device);
     fade(frame_ > 0 ? std::max(now - last_time_, 0.0) : 0.0);
@@ -314,6 +319,8 @@ void FlareVisibility::begin_frame(const View& view, QueryDevice& device)
 
 void FlareVisibility::end_frame(QueryDevice& device)
 {
+    OCCLUDE_ASSERT(in_frame_, "FlareVisibility::end_frame follows its begin_frame");
+    in_frame_ = false;
     if (measures_this_frame_ && !ends_.empty()) {
         issue(device, &Measurement::test);
     }

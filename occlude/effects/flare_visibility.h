@@ -20,6 +20,7 @@
 //             row of pixels.
 #pragma once
 
+#include <occlude/core/assert.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/view.h>
 
@@ -37,7 +38,8 @@ struct FlareLight {
 };
 
 /// The radius in pixels of a ball of `radius_world` at `position_world`, at least `smallest` and at
-/// most `largest`: "the number of pixels to test can be determined from the size on screen".
+/// most `largest` >= smallest: "the number of pixels to test can be determined from the size on
+/// screen".
 float flare_radius_px(const View& view, const glm::vec3& position_world, float radius_world,
                       float smallest, float largest);
 
@@ -79,6 +81,7 @@ public:
     explicit FlareVisibility(FlareOptions options = {})
         : options_(std::move(options))
     {
+        OCCLUDE_ASSERT(options_.fade_time >= 0.0, "the fade_time of flares is not negative");
     }
 
     /// The lights from the next frame on. Light i goes on fading where light i was, so keep their
@@ -86,6 +89,7 @@ public:
     void set_lights(std::span<const FlareLight> lights);
 
     void begin_frame(const View& view, QueryDevice& device);
+    /// Precondition: begin_frame() was called for this frame; else nothing is tested.
     void end_frame(QueryDevice& device);
 
     /// Forgets what was seen: for a camera cut. All lights are dark, and the first answer counts at
@@ -94,11 +98,21 @@ public:
 
     size_t light_count() const { return lights_.size(); }
     /// The visible share of the light's disc, 0 to 1, in the last frame that was answered.
-    double fraction(size_t light) const { return lights_[light].fraction; }
+    /// Precondition for both: light < light_count(); else 0.
+    double fraction(size_t light) const { return is_light(light) ? lights_[light].fraction : 0.0; }
     /// The same, smoothed; after the first answer it never jumps.
-    double brightness(size_t light) const { return lights_[light].brightness; }
+    double brightness(size_t light) const
+    {
+        return is_light(light) ? lights_[light].brightness : 0.0;
+    }
 
 private:
+    bool is_light(size_t light) const
+    {
+        OCCLUDE_ASSERT(light < lights_.size(), "FlareVisibility has no light of this number");
+        return light < lights_.size();
+    }
+
     struct Light {
         FlareLight light = {};
         double fraction = 0.0;
@@ -130,6 +144,7 @@ private:
     uint64_t frame_ = 0;
     uint64_t issued_frame_ = 0;
     double last_time_ = 0.0;
+    bool in_frame_ = false;
     bool measures_this_frame_ = false;
 };
 

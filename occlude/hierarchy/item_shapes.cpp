@@ -1,5 +1,8 @@
 #include <occlude/hierarchy/item_shapes.h>
 
+#include <occlude/core/assert.h>
+
+#include <algorithm>
 #include <utility>
 
 namespace occlude {
@@ -7,10 +10,13 @@ namespace occlude {
 void ItemShapes::place(ItemId item, std::shared_ptr<const Shape> shape,
                        const glm::mat4& world_from_shape)
 {
+    OCCLUDE_ASSERT(item.valid(), "a shape belongs to an item: this id is invalid");
     remove(item);
-    if (shape == nullptr || shape->empty()) {
+    if (!item.valid() || shape == nullptr || shape->empty()) {
         return;
     }
+    OCCLUDE_ASSERT(std::ranges::all_of(*shape, &Aabb::is_bounded),
+                   "the boxes of a shape are bounded");
     if (item.value >= slot_of_.size()) {
         slot_of_.resize(size_t{item.value} + 1, kNone);
     }

@@ -19,6 +19,11 @@ static glm::uvec3 cells_along(const glm::dvec3& extent, double cube)
 Lattice Lattice::over(const Aabb& box, uint64_t cells)
 {
     Lattice lattice;
+    OCCLUDE_ASSERT(cells > 0, "a lattice has at least one cell");
+    OCCLUDE_ASSERT(box.is_bounded(), "a lattice lies over a bounded box");
+    if (!box.is_bounded()) {
+        return lattice;
+    }
     lattice.low = glm::dvec3{box.min};
     const glm::dvec3 extent = glm::dvec3{box.max} - lattice.low;
     const double longest = std::max({extent.x, extent.y, extent.z});
@@ -44,7 +49,8 @@ glm::uvec3 Lattice::cell(const glm::vec3& point) const
         const double offset = double{point[axis]} - low[axis];
         const double position = cell_size[axis] > 0.0 ? offset / cell_size[axis] : 0.0;
         const double last = static_cast<double>(count[axis] - 1);
-        cell[axis] = static_cast<uint32_t>(std::clamp(position, 0.0, last));
+        OCCLUDE_ASSERT(position == position, "a point has coordinates that are numbers");
+        cell[axis] = static_cast<uint32_t>(position > 0.0 ? std::min(position, last) : 0.0);
     }
     return cell;
 }

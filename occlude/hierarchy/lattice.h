@@ -2,6 +2,7 @@
 #pragma once
 
 #include <occlude/core/aabb.h>
+#include <occlude/core/assert.h>
 
 #include <cstdint>
 
@@ -14,19 +15,24 @@ struct Lattice {
     glm::uvec3 count{1}; ///< cells along each axis
 
     /// At least `cells` cells, few more, or one where the box is a point. At most kMaxPerAxis along
-    /// each axis. Precondition: `box` is bounded.
+    /// each axis. Precondition: `box` is bounded; else one cell around everything.
     static Lattice over(const Aabb& box, uint64_t cells);
 
-    /// The cell of a point, the nearest one if it is outside.
+    /// The cell of a point, the nearest one if it is outside. Precondition: no coordinate is NaN;
+    /// else the first cell along that axis.
     glm::uvec3 cell(const glm::vec3& point) const;
 
+    /// The index of a cell. Precondition: it is less than `count` along each axis.
     uint64_t index(const glm::uvec3& cell) const
     {
+        OCCLUDE_ASSERT(cell.x < count.x && cell.y < count.y && cell.z < count.z,
+                       "a cell lies in its lattice");
         return (uint64_t{cell.z} * count.y + cell.y) * count.x + cell.x;
     }
-    /// The cell of an index.
+    /// The cell of an index. Precondition: it is less than cell_count().
     glm::uvec3 at(uint64_t index) const
     {
+        OCCLUDE_ASSERT(index < cell_count(), "an index is one of a cell of the lattice");
         return {static_cast<uint32_t>(index % count.x),
                 static_cast<uint32_t>(index / count.x % count.y),
                 static_cast<uint32_t>(index / count.x / count.y)};

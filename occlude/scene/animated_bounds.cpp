@@ -10,6 +10,13 @@ static Aabb moved(const Aabb& box, const glm::vec3& offset)
     return box.is_bounded() ? Aabb{box.min + offset, box.max + offset} : box;
 }
 
+// A weight that is no number counts: a box that is too large hides nothing.
+static bool counts(const PlayingAnimation& animation)
+{
+    OCCLUDE_ASSERT(animation.weight == animation.weight, "the weight of an animation is a number");
+    return !(animation.weight <= 0.0f);
+}
+
 AnimationBounds make_animation_bounds(std::span<const Aabb> frame_boxes,
                                       std::span<const glm::vec3> root_translations)
 {
@@ -29,19 +36,19 @@ glm::vec3 blended_root_translation(std::span<const PlayingAnimation> playing)
     glm::vec3 sum{0.0f};
     float weights = 0.0f;
     for (const PlayingAnimation& animation : playing) {
-        if (animation.weight > 0.0f) {
+        if (counts(animation)) {
             sum += animation.weight * animation.root_translation;
             weights += animation.weight;
         }
     }
-    return weights > 0.0f ? sum / weights : glm::vec3{0.0f};
+    return weights == 0.0f ? glm::vec3{0.0f} : sum / weights;
 }
 
 Aabb blended_bounds(std::span<const PlayingAnimation> playing, float margin)
 {
     Aabb box;
     for (const PlayingAnimation& animation : playing) {
-        if (animation.weight > 0.0f) {
+        if (counts(animation)) {
             box = merge(box, animation.bounds.in_place);
         }
     }

@@ -84,6 +84,8 @@ std::vector<Camera> interpolate(std::span<const Keyframe> keys, size_t frame_cou
     if (keys.empty()) {
         return {};
     }
+    OCCLUDE_ASSERT(std::ranges::is_sorted(keys, {}, &Keyframe::time),
+                   "the times of a path's keys ascend");
     std::vector<Camera> frames;
     frames.reserve(frame_count);
     const double begin = keys.front().time;
@@ -113,7 +115,9 @@ View make_view(const Camera& camera, glm::ivec2 size_px, ClipConvention conventi
                const ViewOptions& options)
 {
     OCCLUDE_ASSERT(camera.near > 0.0f && camera.far > camera.near, "0 < near < far");
-    // Directions, in double: no point beside the eye that float might not tell from it.
+    OCCLUDE_ASSERT(camera.fov_y > 0.0f && camera.fov_y < 180.0f,
+                   "a camera's field of view is between 0 and 180 degrees");
+    // In double and as directions: a target close to the eye may equal the eye in float.
     glm::dvec3 forward = glm::dvec3{camera.target} - glm::dvec3{camera.eye};
     const double distance = glm::length(forward);
     forward = distance > 0.0 ? forward / distance : glm::dvec3{0.0, 0.0, -1.0};

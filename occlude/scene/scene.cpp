@@ -2,6 +2,8 @@
 
 #include <occlude/core/assert.h>
 
+#include <cmath>
+
 namespace occlude {
 
 const Scene::Object* Scene::find(ObjectId id) const
@@ -24,7 +26,9 @@ void Scene::place(const Object& object)
 ObjectId Scene::add(const glm::mat4& world_from_object, std::span<const ItemDesc> items)
 {
     OCCLUDE_ASSERT(!items.empty(), "an object has at least one item");
-    if (items.empty()) {
+    const bool room = items.size() < ItemId::kInvalid - bounds_.size();
+    OCCLUDE_ASSERT(room, "too many items for 32-bit ids");
+    if (items.empty() || !room) {
         return {};
     }
     const auto count = static_cast<uint32_t>(items.size());
@@ -79,6 +83,12 @@ bool Scene::move(ObjectId id, const glm::mat4& world_from_object)
 
 void Scene::shift(const glm::dvec3& offset)
 {
+    const bool finite =
+        std::isfinite(offset.x) && std::isfinite(offset.y) && std::isfinite(offset.z);
+    OCCLUDE_ASSERT(finite, "Scene::shift needs a finite offset");
+    if (!finite) {
+        return;
+    }
     for (Object& object : objects_) {
         if (object.item_count > 0) {
             glm::vec4& place_of = object.world_from_object[3];

@@ -13,10 +13,10 @@ namespace {
 
 constexpr size_t kSlices = 16; // of the centroids along an axis; planes are between them
 
-// A box counts as thicker than it is by this part of the longest side of all.
+// A box counts as thicker by this share of the longest side of the whole mesh.
 constexpr float kThickness = 1.0f / 64.0f;
 
-// Two boxes must leave less than so much of what their one box has.
+// Two boxes take the place of one if together they have less than this share of its volume.
 constexpr double kWorthCutting = 0.9;
 
 struct Triangle {

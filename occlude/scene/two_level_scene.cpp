@@ -1,5 +1,7 @@
 #include <occlude/scene/two_level_scene.h>
 
+#include <occlude/core/assert.h>
+
 namespace occlude {
 
 void TwoLevelScene::take_over(const Scene& scene)
@@ -43,10 +45,27 @@ void TwoLevelScene::take_over(const Scene& scene)
     }
 }
 
+// Removes all objects, which another scene had.
+void TwoLevelScene::forget_objects()
+{
+    for (const Known& known : known_) {
+        if (known.id.valid()) {
+            tree_.remove(known.slot);
+        }
+    }
+    known_.clear();
+}
+
 void TwoLevelScene::sync(const Scene& scene)
 {
+    OCCLUDE_ASSERT(scene_ == nullptr || scene_ == &scene,
+                   "TwoLevelScene::sync is always called with the same scene");
+    if (scene_ != &scene) {
+        forget_objects();
+        scene_ = &scene;
+    }
     ++syncs_;
-    const bool changed = syncs_ == 1 || content_version_ != scene.content_version() ||
+    const bool changed = known_.empty() || content_version_ != scene.content_version() ||
                          motion_version_ != scene.motion_version();
     if (changed) {
         take_over(scene);

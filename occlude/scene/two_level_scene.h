@@ -35,11 +35,13 @@ private:
         glm::mat4 world_from_object{1.0f};
         uint64_t seen = 0; ///< the last sync() that found it
     };
+    void forget_objects();
     void take_over(const Scene& scene);
 
     TwoLevelTree tree_;
     std::vector<Known> known_; ///< by ObjectId::index
     std::vector<Aabb> boxes_;  ///< scratch
+    const Scene* scene_ = nullptr;
     uint64_t syncs_ = 0;
     uint64_t content_version_ = 0;
     uint64_t motion_version_ = 0;

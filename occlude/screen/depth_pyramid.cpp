@@ -227,8 +227,8 @@ bool DepthPyramid::hides_within(const ScreenBox& box, const PixelRect& rect,
     if (!detail::clip(rect, size_px(), pixels)) {
         return true;
     }
-    // What is seen mostly is so in the middle. Where the texel there is a tile, its test fails too
-    // if that of one of its pixels does.
+    // A visible box mostly shows in its middle, and one texel is cheap: it comes first. Where the
+    // texel there is a tile, its test fails too if the test of one of its pixels does.
     const glm::ivec2 middle = (pixels.low + pixels.high) / 2;
     if (!box.beyond(double{texel(base_, middle.x >> base_, middle.y >> base_)}, middle, middle)) {
         return false;
@@ -249,8 +249,8 @@ bool DepthPyramid::by_vectors(Kernel kernel) const
     return kernel == Kernel::simd && !empty() && levels_.size() <= detail::kMostVectorLevels;
 }
 
-// Coarse tests by vectors; those that hide nothing are put aside without a branch, and looked at
-// down to pixels.
+// Coarse tests by vectors. Boxes that they do not hide are put aside without a branch, and tested
+// down to pixels afterwards.
 void DepthPyramid::block_hides(const detail::BoundsBlock& block, Refinement refinement,
                                std::span<uint8_t> hidden) const
 {
@@ -330,23 +330,6 @@ void DepthPyramid::hides(const View& view, std::span<const Aabb> boxes, Refineme
         detail::project_boxes_simd(projector, boxes.subspan(first, count), block);
         block_hides(block, refinement, hidden.subspan(first, count));
     }
-}
-
-float DepthPyramid::farthest_bound(const PixelRect& rect) const
-{
-    detail::TexelRange pixels;
-    if (!detail::clip(rect, size_px(), pixels)) {
-        return 0.0f;
-    }
-    const int level = std::max(detail::coarse_level(pixels), base_);
-    const detail::TexelRange texels{pixels.low >> level, pixels.high >> level};
-    const detail::Float4 columns =
-        farthest_of_columns(levels_[static_cast<size_t>(level)], texels_.data(), texels);
-    float farthest = columns[0];
-    for (int x = 1; x <= texels.high.x - texels.low.x; ++x) {
-        farthest = farther(farthest, columns[x]);
-    }
-    return farthest;
 }
 
 } // namespace occlude

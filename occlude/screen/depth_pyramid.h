@@ -62,7 +62,6 @@ public:
 
     bool empty() const { return levels_.empty(); }
     glm::ivec2 size_px() const { return empty() ? glm::ivec2{0} : levels_[0].size; }
-    int level_count() const { return static_cast<int>(levels_.size()); }
     /// The finest level that is known.
     int base_level() const { return base_; }
 
@@ -91,10 +90,6 @@ public:
     /// Nothing is hidden in a view of another size than the pyramid's.
     void hides(const View& view, std::span<const Aabb> boxes, Refinement refinement,
                std::span<uint8_t> hidden, Kernel kernel = Kernel::simd) const;
-
-    /// The farthest depth in `rect`, or more: the bound that the coarse level gives. 0 where `rect`
-    /// misses the target.
-    float farthest_bound(const PixelRect& rect) const;
 
 private:
     float texel(int level, int x, int y) const

@@ -99,7 +99,7 @@ HWY_INLINE void find_texels(glm::ivec2 target, int base, const Block& bounds, si
         clip(hn::Load(kI, &bounds.x[i]), hn::Load(kI, &bounds.width[i]), hn::Set(kI, target.x));
     const Pixels y =
         clip(hn::Load(kI, &bounds.y[i]), hn::Load(kI, &bounds.height[i]), hn::Set(kI, target.y));
-    // Where there is no pixel, the first one: it is looked at for nothing.
+    // A rectangle without pixels takes the first pixel, so that all lanes read texels that exist.
     const auto some = hn::And(hn::Gt(x.count, zero), hn::Gt(y.count, zero));
     const VI low_x = hn::IfThenElseZero(some, x.low);
     const VI low_y = hn::IfThenElseZero(some, y.low);
@@ -122,7 +122,7 @@ HWY_INLINE void find_texels(glm::ivec2 target, int base, const Block& bounds, si
         row = hn::Add(row, hn::IfThenElseZero(hn::Gt(rows, hn::Set(kI, k - 1)), width));
         hn::Store(row, kI, &out.row[static_cast<size_t>(k)][i]);
     }
-    // Nothing is farther than all depths, and what is not valid is nearer.
+    // A rectangle without pixels is hidden (farther than all depths); invalid bounds never are.
     const auto inf = hn::Set(kF, Aabb::kInfinity);
     const auto near_depth =
         hn::IfThenElse(hn::RebindMask(kF, some), hn::Load(kF, &bounds.near_depth[i]), inf);

@@ -1,5 +1,7 @@
 #include <occlude/screen/projection.h>
 
+#include <occlude/core/assert.h>
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -98,9 +100,16 @@ double farthest_if_covering(const View& view, const glm::mat4& world_from_unit,
 
 std::optional<glm::mat4> world_from_rectangle(const View& view, const PixelRect& rect, float depth)
 {
+    const glm::ivec2 size_px = view.size_px();
+    const bool inside = rect.width > 0 && rect.height > 0 && rect.x >= 0 && rect.y >= 0 &&
+                        rect.width <= size_px.x - rect.x && rect.height <= size_px.y - rect.y;
+    OCCLUDE_ASSERT(inside, "world_from_rectangle needs a rectangle with pixels, in the target");
+    if (!inside) {
+        return std::nullopt;
+    }
     // Larger than the pixels by this much, for the snapping of vertices and the rounding here.
     constexpr double kOutsetPixels = 1.0 / 8.0;
-    const glm::dvec2 size{view.size_px()};
+    const glm::dvec2 size{size_px};
     const glm::dvec2 low = 2.0 * glm::dvec2{rect.x, rect.y} / size - 1.0;
     const glm::dvec2 high =
         2.0 * glm::dvec2{rect.x + rect.width, rect.y + rect.height} / size - 1.0;

@@ -1,6 +1,7 @@
 #include <occlude/screen/screen_box.h>
 
 #include <occlude/core/absolute.h>
+#include <occlude/core/assert.h>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -71,6 +72,7 @@ ScreenSpace ScreenSpace::in(const glm::mat4& world_from_object, const Inflation&
     const glm::dmat4 map{linear};
     const glm::dmat4 magnitude{detail::absolute(map[0]), detail::absolute(map[1]),
                                detail::absolute(map[2]), detail::absolute(map[3])};
+    OCCLUDE_ASSERT(glm::determinant(linear) != 0.0, "ScreenSpace::in needs a map with an inverse");
     const glm::dmat3 inverse = glm::inverse(linear);
     const glm::dvec3 away = origin_ - glm::dvec3{world_from_object[3]};
     ScreenSpace own = *this;
@@ -143,7 +145,9 @@ ScreenBox::ScreenBox(const ScreenSpace& screen, const Aabb& box)
 
 double ScreenBox::nearest_over(glm::ivec2 low, glm::ivec2 high) const
 {
-    if (!known_) {
+    const bool some = low.x <= high.x && low.y <= high.y;
+    OCCLUDE_ASSERT(some, "ScreenBox::nearest_over needs the lower left pixel first");
+    if (!known_ || !some) {
         return -kInfinity;
     }
     const Samples samples = samples_of(low, high);

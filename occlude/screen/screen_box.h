@@ -1,12 +1,16 @@
 // A box on the screen, tighter than its rectangle: where its faces are, pixel by pixel.
 //
-//        . . . . . . . .        The rectangle of a box (dots) is wider than the box, and its
-//        nearest .   _/\_      .        depth is that of one corner. Here a box is what it is: the
-//        . /      \    .        intersection of six half-spaces, each of which is one linear
-//        function
-//        .|        |   .        of pixel position: the depth at which a ray enters it, or leaves
-//        it. . \_    _/    .        A ray meets the box from its last entry to its first exit, and
-//        misses . . .\/ . . . .        it if that exit comes first.
+//        . . . . . . . .
+//        .     _/\_     .       dots: the rectangle of the box
+//        .   /      \   .       lines: its outline
+//        .  |        |  .
+//        .   \_    _/   .
+//        . . . .\/. . . .
+//
+// The rectangle of a box is wider than the box, and its nearest depth is the depth of one corner.
+// Here a box is the intersection of six half-spaces. Each is a linear function of pixel position:
+// the depth at which a ray enters it, or leaves it. A ray is in the box from its last entry to its
+// first exit, and misses the box if that exit comes first.
 //
 // Guarantees  Errs outward: over any block of pixels nearest_over() is no greater than the depth of
 //             any sample of anything in the box.

@@ -6,8 +6,8 @@
 #include "support/trees.h"
 
 #include <occlude/backends/cpu/cpu_device.h>
+#include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/registry.h>
-#include <occlude/device/delaying_device.h>
 #include <occlude/device/scripted_device.h>
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>
 #include <occlude/hierarchy/builders/two_level.h>
@@ -381,19 +381,6 @@ TEST(ScreenMisuse, WrongNumbersOfResultsHideNothing)
                                               QueryBox{boxes[1], nullptr, NodeId{}}};
     project_query_boxes(view, query_boxes, few);
     mistakes.expect("project_query_boxes needs one result per box");
-}
-
-// --- errors that were not looked at ---
-
-TEST(ResultMisuse, AValueThatIsNotThereIsAnExceptionNotGarbage)
-{
-    Mistakes mistakes;
-    const Result<int> failed{Error{ErrorCode::bad_data, "broken"}};
-    EXPECT_THROW(failed.value(), std::bad_variant_access);
-    mistakes.expect("value() of a failed Result");
-    const Result<int> fine{3};
-    EXPECT_THROW(fine.error(), std::bad_variant_access);
-    mistakes.expect("error() of a Result that succeeded");
 }
 
 } // namespace

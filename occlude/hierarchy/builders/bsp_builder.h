@@ -46,10 +46,10 @@ struct BspOptions {
     uint32_t leaf_triangles = 1024;
 };
 
-/// A BSP tree over items 0 .. items.size()-1. A node has up to two children, that of the low side
-/// first, or up to three, that of straddling items before them. Where no plane parts anything, a
-/// leaf keeps all its items. Empty and unbounded boxes are allowed: they are items of the root,
-/// above all planes.
+/// A BSP tree over items 0 .. items.size()-1. A node has up to two children, the one of the low
+/// side first, or up to three, the one of straddling items before them. Where no plane parts
+/// anything, a leaf keeps all its items. Empty and unbounded boxes are allowed: they are items of
+/// the root, above all planes.
 Hierarchy build_bsp(std::span<const ItemBounds> items, const BspOptions& options = {});
 
 /// Names of the options; see core/option_text.h.
@@ -66,11 +66,12 @@ void visit_options(BspOptions& o, Visit&& visit)
 {
     visit("split", o.split, "where the plane of a node goes");
     visit("straddling", o.straddling, "items across the plane: the node's own, or a third child");
-    visit("max_leaf_items", o.max_leaf_items, {1}, "a node of at most so many items is not split");
+    visit("max_leaf_items", o.max_leaf_items, {1},
+          "a node of at most this many items is not split");
     visit("max_depth", o.max_depth, {0, 64},
           "a node so far below the root is not split; at most 64");
     visit("leaf_triangles", o.leaf_triangles, {},
-          "nodes of at most so many become leaves; 0: none");
+          "nodes of at most this many triangles become leaves; 0: none");
 }
 
 } // namespace occlude

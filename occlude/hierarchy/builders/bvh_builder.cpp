@@ -246,8 +246,8 @@ private:
         close(nodes, node);
     }
 
-    // Finishes a node with two finished children. They are virtual leaves if it is too large for
-    // one: so all of those are found from below.
+    // Finishes a node with two finished children. If it is too large for a virtual leaf, its
+    // children become virtual leaves where they are small enough.
     void close(std::vector<Node>& nodes, size_t node) const
     {
         detail::sum_up(nodes[node], nodes, bounds_);

@@ -44,10 +44,11 @@ Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options
 template <class Visit>
 void visit_options(BvhOptions& o, Visit&& visit)
 {
-    visit("max_leaf_items", o.max_leaf_items, {1}, "a node of at most so many items is not split");
+    visit("max_leaf_items", o.max_leaf_items, {1},
+          "a node of at most this many items is not split");
     visit("max_leaf_triangles", o.max_leaf_triangles, {}, "... unless they have more triangles");
     visit("leaf_triangles", o.leaf_triangles, {},
-          "nodes of at most so many become leaves; 0: none");
+          "nodes of at most this many triangles become leaves; 0: none");
     visit("bins", o.bins, {2, 32}, "planes tried per axis, plus one: 2 to 32");
 }
 

@@ -17,7 +17,7 @@
 namespace occlude {
 
 struct GridOptions {
-    /// Cells of a grid: one for so many of its items, on average over empty and occupied ones.
+    /// Cells of a grid: one for this many of its items, on average over empty and occupied ones.
     uint32_t items_per_cell = 8;
     /// A cell of at most this many items is not a grid again.
     uint32_t max_leaf_items = 1;
@@ -35,11 +35,13 @@ Hierarchy build_grid(std::span<const ItemBounds> items, const GridOptions& optio
 template <class Visit>
 void visit_options(GridOptions& o, Visit&& visit)
 {
-    visit("items_per_cell", o.items_per_cell, {1}, "a grid has one cell for so many of its items");
-    visit("max_leaf_items", o.max_leaf_items, {1}, "a cell of at most so many items is not a grid");
+    visit("items_per_cell", o.items_per_cell, {1},
+          "a grid has one cell for this many of its items");
+    visit("max_leaf_items", o.max_leaf_items, {1},
+          "a cell of at most this many items is not a grid");
     visit("max_depth", o.max_depth, {0, 32}, "grids in grids at most so deep; at most 32");
     visit("leaf_triangles", o.leaf_triangles, {},
-          "nodes of at most so many become leaves; 0: none");
+          "nodes of at most this many triangles become leaves; 0: none");
 }
 
 } // namespace occlude

@@ -32,10 +32,11 @@ Hierarchy build_octree(std::span<const ItemBounds> items, const OctreeOptions& o
 template <class Visit>
 void visit_options(OctreeOptions& o, Visit&& visit)
 {
-    visit("max_leaf_items", o.max_leaf_items, {1}, "a cube of at most so many items is not split");
+    visit("max_leaf_items", o.max_leaf_items, {1},
+          "a cube of at most this many items is not split");
     visit("max_depth", o.max_depth, {0, 21}, "cubes are halved at most so often; at most 21");
     visit("leaf_triangles", o.leaf_triangles, {},
-          "nodes of at most so many become leaves; 0: none");
+          "nodes of at most this many triangles become leaves; 0: none");
 }
 
 } // namespace occlude

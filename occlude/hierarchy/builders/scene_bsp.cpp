@@ -40,7 +40,8 @@ SceneBsp::SceneBsp(const TwoLevelOptions& options)
 SceneBsp::Slot SceneBsp::add(const TwoLevelObject& added)
 {
     OCCLUDE_ASSERT(!added.local_boxes.empty(), "an object needs the box of at least one item");
-    if (added.local_boxes.empty()) {
+    OCCLUDE_ASSERT(added.first_item.valid(), "an object needs the id of its first item");
+    if (added.local_boxes.empty() || !added.first_item.valid()) {
         return kNone; // no slot is in use by that number
     }
     Slot slot = static_cast<Slot>(objects_.size());

@@ -153,8 +153,8 @@ bool SceneBsp::needs_rebuild(const Cell& cell) const
            std::max(allowed, static_cast<float>(options_.leaf_objects));
 }
 
-// Rebuilds at most one subtree: of those that need it the one with the most changes, the upper one
-// of equals, which takes care of those below it.
+// Rebuilds at most one subtree: the one with the most changes among the subtrees that need it, and
+// of equals the upper one, which contains the lower ones.
 void SceneBsp::reconstruct()
 {
     if (updates_ < reconstruct_at_) {

@@ -55,7 +55,8 @@ struct TwoLevelOptions {
     /// of its objects.
     float rebuild_share = 0.5f;
     /// A scene node in which something moved is tested as its whole cell, and as the box around its
-    /// contents again after this many updates without motion. 0: always as the latter.
+    /// contents again after this many updates without motion. 0: always the box around its
+    /// contents.
     uint32_t quiet_frames = 0;
 };
 

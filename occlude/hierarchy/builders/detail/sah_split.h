@@ -67,7 +67,7 @@ Extent centers_of(std::span<const Primitive> primitives);
 
 /// The two parts of some primitives, neither empty.
 struct Parts {
-    size_t left = 0; ///< the first so many
+    size_t left = 0; ///< how many items go left: the first ones
     Extent left_centers;
     Extent right_centers;
 };
