@@ -48,10 +48,10 @@ void main() { result = color; })");
                samples);
         EXPECT_EQ(glCheckFramebufferStatus(GL_FRAMEBUFFER),
                   static_cast<GLenum>(GL_FRAMEBUFFER_COMPLETE));
-        buffer_ = GlBuffer::make();
-        vertex_array_ = GlVertexArray::make();
-        glBindVertexArray(vertex_array_.name());
-        glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
+        triangles_.buffer = GlBuffer::make();
+        triangles_.vertex_array = GlVertexArray::make();
+        glBindVertexArray(triangles_.vertex_array.name());
+        glBindBuffer(GL_ARRAY_BUFFER, triangles_.buffer.name());
         glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(glm::vec3), nullptr);
         glEnableVertexAttribArray(0);
         glBindVertexArray(0);
@@ -66,21 +66,22 @@ void main() { result = color; })");
 
     ItemId add_triangles(std::span<const glm::vec3> points)
     {
-        firsts_.push_back(static_cast<GLint>(points_.size()));
-        counts_.push_back(static_cast<GLsizei>(points.size()));
-        points_.insert(points_.end(), points.begin(), points.end());
-        glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
-        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(points_.size() * sizeof(glm::vec3)),
-                     points_.data(), GL_STATIC_DRAW);
-        return ItemId{firsts_.size() - 1};
+        triangles_.firsts.push_back(static_cast<GLint>(triangles_.points.size()));
+        triangles_.counts.push_back(static_cast<GLsizei>(points.size()));
+        triangles_.points.insert(triangles_.points.end(), points.begin(), points.end());
+        glBindBuffer(GL_ARRAY_BUFFER, triangles_.buffer.name());
+        glBufferData(GL_ARRAY_BUFFER,
+                     static_cast<GLsizeiptr>(triangles_.points.size() * sizeof(glm::vec3)),
+                     triangles_.points.data(), GL_STATIC_DRAW);
+        return ItemId{triangles_.firsts.size() - 1};
     }
 
     /// Forgets all items.
     void clear()
     {
-        firsts_.clear();
-        counts_.clear();
-        points_.clear();
+        triangles_.firsts.clear();
+        triangles_.counts.clear();
+        triangles_.points.clear();
     }
 
     void begin_frame(const View& view) override
@@ -110,7 +111,8 @@ void main() { result = color; })");
         for (const ItemId item : items) {
             const auto shade = static_cast<float>(item.value + 1) / 8.0f;
             glUniform4f(glGetUniformLocation(program_.name(), "color"), shade, 0.5f, 1.0f, 1.0f);
-            glDrawArrays(GL_TRIANGLES, firsts_[item.value], counts_[item.value]);
+            glDrawArrays(GL_TRIANGLES, triangles_.firsts[item.value],
+                         triangles_.counts[item.value]);
         }
         call(after_draw);
     }
@@ -121,7 +123,7 @@ void main() { result = color; })");
         glUseProgram(program_.name());
         glUniformMatrix4fv(glGetUniformLocation(program_.name(), "clip_from_world"), 1, GL_FALSE,
                            glm::value_ptr(view_.clip_from_world()));
-        glBindVertexArray(vertex_array_.name());
+        glBindVertexArray(triangles_.vertex_array.name());
         glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
         glDepthMask(GL_TRUE);
         glEnable(GL_DEPTH_TEST);
@@ -173,23 +175,29 @@ private:
         glFramebufferRenderbuffer(GL_FRAMEBUFFER, point, GL_RENDERBUFFER, buffer.name());
     }
 
+    /// All triangles, item after item.
+    struct Triangles {
+        GlBuffer buffer;
+        GlVertexArray vertex_array;
+        std::vector<glm::vec3> points;
+        std::vector<GLint> firsts;
+        std::vector<GLsizei> counts;
+    };
+
     glm::ivec2 size_;
     View view_;
     GlProgram program_;
     GlFramebuffer framebuffer_;
     GlRenderbuffer color_;
     GlRenderbuffer depth_;
-    GlBuffer buffer_;
-    GlVertexArray vertex_array_;
-    std::vector<glm::vec3> points_;
-    std::vector<GLint> firsts_;
-    std::vector<GLsizei> counts_;
+    Triangles triangles_;
 };
 
 // World space is clip space in most tests: x, y, z from -1 to 1, near at z = -1, and the quarter
 // [-0.5, 0.5] in x and y is 32 x 32 = 1024 pixels.
 inline const View kFlatView = View::from_clip(glm::mat4{1.0f}, {64, 64});
 inline constexpr Aabb kMiddle{{-0.5f, -0.5f, 0.2f}, {0.5f, 0.5f, 0.4f}};
+inline constexpr uint64_t kMiddlePixels = 1024;
 inline constexpr Aabb kLeft{{-0.75f, -0.25f, 0.2f}, {-0.25f, 0.25f, 0.4f}};
 inline constexpr Aabb kRight{{0.25f, -0.25f, 0.2f}, {0.75f, 0.25f, 0.4f}};
 inline constexpr glm::vec2 kLow{-1.0f};

@@ -4,6 +4,7 @@
 #include "support/trees.h"
 
 #include <occlude/backends/cpu/cpu_device.h>
+#include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/registry.h>
 #include <occlude/device/delaying_device.h>
 #include <occlude/device/validating_device.h>
@@ -105,6 +106,21 @@ protected:
     }
 };
 
+// Moves one item in twenty, and makes one in four of these vanish. Returns them.
+std::vector<ItemId> move_some(std::vector<ItemBounds>& items, Rng& rng)
+{
+    std::vector<ItemId> moved;
+    for (uint32_t i = 0; i < items.size(); ++i) {
+        if (rng.below(20) == 0) {
+            moved.push_back(ItemId{i});
+            const glm::vec3 at{rng.range(-45, 45), rng.range(-20, 20), rng.range(-45, 45)};
+            const float half = rng.range(0.2f, 4.0f);
+            items[i].box = rng.below(4) == 0 ? Aabb{} : Aabb{at - half, at + half};
+        }
+    }
+    return moved;
+}
+
 // Five cullers take turns on one device, whose answers come late and sometimes never, over objects
 // that move, vanish and whose numbers others take.
 TEST_P(ManyViews, TakeTurnsOnOneDeviceWhileObjectsComeAndGo)
@@ -138,16 +154,7 @@ TEST_P(ManyViews, TakeTurnsOnOneDeviceWhileObjectsComeAndGo)
         Rng rng{hash64(17)};
         uint64_t drawn = 0;
         for (int frame = 0; frame < kFrames; ++frame) {
-            std::vector<ItemId> moved;
-            for (uint32_t i = 0; i < items.size(); ++i) {
-                if (rng.below(20) == 0) {
-                    moved.push_back(ItemId{i});
-                    const glm::vec3 at{rng.range(-45, 45), rng.range(-20, 20), rng.range(-45, 45)};
-                    const float half = rng.range(0.2f, 4.0f);
-                    items[i].box = rng.below(4) == 0 ? Aabb{} : Aabb{at - half, at + half};
-                }
-            }
-            tree.refit(moved, items);
+            tree.refit(move_some(items, rng), items);
             std::vector<ItemBounds> drawable = items;
             scene = std::make_unique<test::BoxCpuScene>(drawable);
             const std::vector<View> views = views_of_frame(frame);

@@ -14,14 +14,15 @@ bool CpuDevice::read_depth(const PixelRect& rect, std::span<float> out)
         return false; // a view without a target; see begin_frame()
     }
     const bool fits = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
-                      rect.width <= size_px_.x - rect.x && rect.height <= size_px_.y - rect.y;
+                      rect.width <= target_.size_px.x - rect.x &&
+                      rect.height <= target_.size_px.y - rect.y;
     OCCLUDE_ASSERT(fits, "read_depth outside of the target");
     if (!fits || out.size() != static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height)) {
         return false;
     }
     for (int row = 0; row < rect.height; ++row) {
-        const auto from =
-            depth_.begin() + (rect.y + row) * static_cast<ptrdiff_t>(size_px_.x) + rect.x;
+        const auto from = target_.depth.begin() +
+                          (rect.y + row) * static_cast<ptrdiff_t>(target_.size_px.x) + rect.x;
         std::copy(from, from + rect.width, out.begin() + row * static_cast<ptrdiff_t>(rect.width));
     }
     return true;
@@ -34,11 +35,11 @@ bool CpuDevice::read_depth_tiles(int tile_px, std::span<float> out)
     }
     const bool legal = caps_.find_depth_read(tile_px) != nullptr && tile_px > 1;
     OCCLUDE_ASSERT(legal, "read_depth_tiles: caps().depth_reads lists the sizes of tiles");
-    const glm::ivec2 tiles = tiles_in(size_px_, legal ? tile_px : 1);
+    const glm::ivec2 tiles = tiles_in(target_.size_px, legal ? tile_px : 1);
     if (!legal || out.size() != static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y)) {
         return false;
     }
-    farthest_of_tiles(depth_, size_px_, tile_px, out);
+    farthest_of_tiles(target_.depth, target_.size_px, tile_px, out);
     return true;
 }
 

@@ -97,17 +97,17 @@ void CpuDevice::begin_frame(const View& view)
     view_ = view;
     transform_ = cpu::ScreenTransform(view);
     const glm::ivec2 size = transform_.usable() ? view.size_px() : glm::ivec2{0};
-    if (size != size_px_) {
-        size_px_ = size;
+    if (size != target_.size_px) {
+        target_.size_px = size;
         const size_t pixels = static_cast<size_t>(size.x) * static_cast<size_t>(size.y);
-        items_.assign(pixels, 0);
-        triangles_.assign(pixels, 0);
+        target_.items.assign(pixels, 0);
+        target_.triangles.assign(pixels, 0);
         stamps_.assign(pixels, 0);
-        depth_.resize(pixels);
+        target_.depth.resize(pixels);
         current_stamp_ = 0;
     }
-    std::fill(depth_.begin(), depth_.end(), kClearDepth);
-    translucent_.clear();
+    std::fill(target_.depth.begin(), target_.depth.end(), kClearDepth);
+    target_.translucent.clear();
     pyramid_.forget();
 }
 
@@ -117,11 +117,12 @@ const cpu::Vertex* CpuDevice::transformed_vertex(const CpuItem& item,
     if (index >= item.positions.size()) {
         return nullptr;
     }
-    if (vertex_stamps_[index] != current_vertex_stamp_) {
-        vertex_stamps_[index] = current_vertex_stamp_;
-        vertices_[index] = transform_.process(clip_position(clip_from_mesh, item.positions[index]));
+    if (transformed_.marks[index] != transformed_.current) {
+        transformed_.marks[index] = transformed_.current;
+        transformed_.vertices[index] =
+            transform_.process(clip_position(clip_from_mesh, item.positions[index]));
     }
-    return &vertices_[index];
+    return &transformed_.vertices[index];
 }
 
 bool CpuDevice::outside_of_view(const Aabb& box, const glm::dmat4& clip_from_mesh) const
@@ -144,11 +145,11 @@ void CpuDevice::rasterize_item(const CpuItem& item, Fragment&& fragment)
     if (!transform_.usable() || outside_of_view(item.box, clip_from_mesh)) {
         return;
     }
-    if (vertices_.size() < item.positions.size()) {
-        vertices_.resize(item.positions.size());
-        vertex_stamps_.resize(item.positions.size(), 0);
+    if (transformed_.vertices.size() < item.positions.size()) {
+        transformed_.vertices.resize(item.positions.size());
+        transformed_.marks.resize(item.positions.size(), 0);
     }
-    advance_stamp(current_vertex_stamp_, vertex_stamps_);
+    advance_stamp(transformed_.current, transformed_.marks);
     for (size_t i = 0; i + 2 < item.indices.size(); i += 3) {
         const cpu::Vertex* a = transformed_vertex(item, clip_from_mesh, item.indices[i]);
         const cpu::Vertex* b = transformed_vertex(item, clip_from_mesh, item.indices[i + 1]);
@@ -166,28 +167,29 @@ void CpuDevice::rasterize_item(const CpuItem& item, Fragment&& fragment)
 bool CpuDevice::write(size_t pixel, double depth, ItemId item, uint32_t triangle)
 {
     const auto depth01 = static_cast<float>(depth);
-    float& stored = depth_[pixel];
+    float& stored = target_.depth[pixel];
     if (depth01 >= stored) {
         // Nothing equals the cleared depth: LESS against 1 fails there.
-        const bool wins_tie = depth01 == stored && stored != kClearDepth &&
-                              (item.value < items_[pixel] ||
-                               (item.value == items_[pixel] && triangle <= triangles_[pixel]));
+        const bool wins_tie =
+            depth01 == stored && stored != kClearDepth &&
+            (item.value < target_.items[pixel] ||
+             (item.value == target_.items[pixel] && triangle <= target_.triangles[pixel]));
         if (!wins_tie) {
             return false;
         }
     }
     stored = depth01;
-    items_[pixel] = item.value;
-    triangles_[pixel] = triangle;
+    target_.items[pixel] = item.value;
+    target_.triangles[pixel] = triangle;
     return true;
 }
 
 // Lists one translucent fragment; true if it is seen.
 bool CpuDevice::blend(size_t pixel, double depth, ItemId item, uint32_t triangle)
 {
-    const bool seen = static_cast<float>(depth) < depth_[pixel];
+    const bool seen = static_cast<float>(depth) < target_.depth[pixel];
     if (seen) {
-        translucent_.push_back({pixel, {item, triangle}});
+        target_.translucent.push_back({pixel, {item, triangle}});
     }
     return seen;
 }
@@ -195,8 +197,8 @@ bool CpuDevice::blend(size_t pixel, double depth, ItemId item, uint32_t triangle
 // True if a fragment of an item is what the pixel shows.
 bool CpuDevice::owns(size_t pixel, double depth, ItemId item) const
 {
-    return depth_[pixel] != kClearDepth && static_cast<float>(depth) == depth_[pixel] &&
-           items_[pixel] == item.value;
+    return target_.depth[pixel] != kClearDepth &&
+           static_cast<float>(depth) == target_.depth[pixel] && target_.items[pixel] == item.value;
 }
 
 void CpuDevice::draw(std::span<const ItemId> items, DrawPass pass)
@@ -281,7 +283,7 @@ uint64_t CpuDevice::count_box(const QueryBox& box)
     uint64_t samples = 0;
     const double bias = kBoxBias + double{view_.inflation().depth_bias};
     const auto fragment = [&](size_t pixel, double depth) {
-        if (static_cast<float>(depth - bias) <= depth_[pixel] && stamp(pixel)) {
+        if (static_cast<float>(depth - bias) <= target_.depth[pixel] && stamp(pixel)) {
             ++samples;
         }
     };
@@ -297,7 +299,7 @@ uint64_t CpuDevice::count_box(const QueryBox& box)
 void CpuDevice::test_with_pyramid(const QueryBatch& batch)
 {
     if (in_frame_ && transform_.usable() && !pyramid_.fresh()) {
-        std::ranges::copy(depth_, pyramid_.resize(size_px_).begin());
+        std::ranges::copy(target_.depth, pyramid_.resize(target_.size_px).begin());
         pyramid_.build();
     }
     pyramid_.answer(view_, batch, answers_);
@@ -345,45 +347,23 @@ void CpuDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 
 Ticket CpuDevice::issue(const Answer& answer)
 {
-    uint32_t index = 0;
-    if (!free_slots_.empty()) {
-        index = free_slots_.back();
-        free_slots_.pop_back();
-    } else if (slots_.size() < caps_.max_outstanding) {
-        index = static_cast<uint32_t>(slots_.size());
-        slots_.emplace_back();
-    } else {
-        return {};
-    }
-    Slot& slot = slots_[index];
-    slot.unspent = true;
-    slot.answer = answer;
-    return {index, slot.generation};
+    return unspent_.size() < caps_.max_outstanding ? unspent_.add(answer) : Ticket{};
 }
 
 Answer CpuDevice::wait(Ticket ticket)
 {
-    if (!ticket.valid() || ticket.index >= slots_.size()) {
-        return Answer::lost();
-    }
-    Slot& slot = slots_[ticket.index];
-    if (!slot.unspent || slot.generation != ticket.generation) {
-        return Answer::lost();
-    }
-    slot.unspent = false;
-    if (++slot.generation == 0) {
-        slot.generation = 1; // 0 is never given out
-    }
-    free_slots_.push_back(ticket.index);
-    return slot.answer;
+    const Answer* found = unspent_.find(ticket);
+    const Answer answer = found != nullptr ? *found : Answer::lost();
+    unspent_.release(ticket);
+    return answer;
 }
 
 CpuDevice::Owner CpuDevice::owner(size_t pixel) const
 {
-    if (pixel >= depth_.size() || depth_[pixel] == kClearDepth) {
+    if (pixel >= target_.depth.size() || target_.depth[pixel] == kClearDepth) {
         return {};
     }
-    return {ItemId{items_[pixel]}, triangles_[pixel]};
+    return {ItemId{target_.items[pixel]}, target_.triangles[pixel]};
 }
 
 } // namespace occlude

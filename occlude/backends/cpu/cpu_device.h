@@ -26,6 +26,7 @@
 #include <occlude/backends/cpu/rasterizer.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/result.h>
+#include <occlude/core/ticket_table.h>
 #include <occlude/screen/pyramid_tests.h>
 
 #include <cstdint>
@@ -97,21 +98,32 @@ public:
 
     /// The target of the last frame: its size (0 before the first), its window depth, and who owns
     /// a pixel (row by row from the bottom).
-    glm::ivec2 size_px() const { return size_px_; }
-    std::span<const float> depth() const { return depth_; }
+    glm::ivec2 size_px() const { return target_.size_px; }
+    std::span<const float> depth() const { return target_.depth; }
     Owner owner(size_t pixel) const;
     /// In the order in which they were drawn.
-    std::span<const TranslucentFragment> translucent_fragments() const { return translucent_; }
+    std::span<const TranslucentFragment> translucent_fragments() const
+    {
+        return target_.translucent;
+    }
 
     /// Counts the calls of begin_frame.
     uint64_t frame_count() const { return frame_count_; }
 
 private:
-    /// An answer that waits to be collected.
-    struct Slot {
-        uint32_t generation = 1;
-        bool unspent = false;
-        Answer answer;
+    /// What was drawn, pixel by pixel.
+    struct Target {
+        glm::ivec2 size_px{0};
+        std::vector<float> depth;
+        std::vector<uint32_t> items;     ///< unspecified where depth is 1
+        std::vector<uint32_t> triangles; ///< likewise
+        std::vector<TranslucentFragment> translucent;
+    };
+    /// The vertices of the item being drawn, each transformed once: those marked by `current`.
+    struct TransformedVertices {
+        std::vector<cpu::Vertex> vertices;
+        std::vector<uint32_t> marks;
+        uint32_t current = 0;
     };
 
     template <class Fragment>
@@ -137,24 +149,17 @@ private:
     bool in_frame_ = false;
     uint64_t frame_count_ = 0;
 
-    glm::ivec2 size_px_{0};
-    std::vector<float> depth_;
-    std::vector<uint32_t> items_;     ///< unspecified where depth is 1
-    std::vector<uint32_t> triangles_; ///< likewise
-    std::vector<TranslucentFragment> translucent_;
+    Target target_;
 
     std::vector<uint32_t> stamps_; ///< the last test that counted the pixel
     uint32_t current_stamp_ = 0;
 
-    std::vector<cpu::Vertex> vertices_; ///< of the item being drawn, where vertex_stamps_ says so
-    std::vector<uint32_t> vertex_stamps_;
-    uint32_t current_vertex_stamp_ = 0;
+    TransformedVertices transformed_;
 
     PyramidTests pyramid_;
     std::vector<Answer> answers_; ///< of one batch of the method pyramid
 
-    std::vector<Slot> slots_;
-    std::vector<uint32_t> free_slots_;
+    TicketTable<Answer> unspent_;
 };
 
 } // namespace occlude
