@@ -124,6 +124,11 @@ glm::dmat4 magnitude_of(const glm::dmat4& m)
             detail::absolute(m[3])};
 }
 
+double largest(const glm::dvec3& v)
+{
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
 // `map` after a translation by `offset`.
 glm::dmat4 translated(const glm::dmat4& map, const glm::dvec3& offset)
 {

@@ -46,12 +46,12 @@ AdaptivePlanner::Outcome Adaptive::outcome(const CullFrame& frame) const
 
 void Adaptive::start_frame(CullFrame& frame)
 {
-    const AdaptivePlanner::Start start{.cut_is_empty = cut().empty(),
+    const AdaptivePlanner::Start start{.cut_is_empty = shared_.cut.cut().empty(),
                                        .measures = shared_.meter.has_clock(),
                                        .tests_last_frame = shared_.meter.tests()};
     shared_.meter.start_frame(frame.caps(), frame.view().size_px(), drawn_units_);
-    shared_.depth.set_tile_px(costs().tile_px());
-    if (shared_.planner.start_frame(costs(), start)) {
+    shared_.depth.set_tile_px(shared_.costs().tile_px());
+    if (shared_.planner.start_frame(shared_.costs(), start)) {
         drop_late_tests();
     }
     shared_.cut.start_frame();
@@ -68,8 +68,8 @@ void Adaptive::draw_all(CullFrame& frame)
     walk_.draw_all(frame);
     frame.flush_draws();
     const double drawn_units = shared_.drawn_units(frame);
-    frame.plan() = shared_.planner.drew_all(costs(), drawn_units);
-    if (shared_.planner.probe_due(costs(), drawn_units)) {
+    frame.plan() = shared_.planner.drew_all(shared_.costs(), drawn_units);
+    if (shared_.planner.probe_due(shared_.costs(), drawn_units)) {
         probe(frame);
     }
 }
@@ -85,7 +85,7 @@ void Adaptive::probe(CullFrame& frame)
         by_device_.probe(frame, frame_since_us_);
     }
     shared_.cut.finish_without_merging();
-    shared_.planner.judge_probe(costs(), outcome(frame), frame.plan());
+    shared_.planner.judge_probe(shared_.costs(), outcome(frame), frame.plan());
     if (!shared_.planner.culls()) {
         shared_.cut.clear();
     }
@@ -116,15 +116,15 @@ void Adaptive::cull_view(CullFrame& frame)
         by_device_.test(frame, frame_since_us_);
     }
     finish_cut(frame);
-    frame.plan() = shared_.planner.judge(costs(), outcome(frame));
+    frame.plan() = shared_.planner.judge(shared_.costs(), outcome(frame));
     if (shared_.planner.culls()) {
         return;
     }
     drop_late_tests();
     shared_.cut.clear();
-    // Little may have been drawn, because there is little: then a look costs next to nothing.
+    // A probe may be due even here: where little was drawn, it costs next to nothing.
     if (shared_.planner.method() == TestMethod::pyramid &&
-        shared_.planner.probe_due(costs(), shared_.drawn_units(frame))) {
+        shared_.planner.probe_due(shared_.costs(), shared_.drawn_units(frame))) {
         probe(frame);
     }
 }

@@ -31,7 +31,7 @@
 //             still or is coarse, and on a device without exact timing.
 // Cost        O(entries of the cut) a frame, which follows the visible boundary; one read-back of
 //             depth (in tiles, where that costs less) or a few rounds of tests. When it draws all:
-//             that of `frustum`, and the probes.
+//             the cost of `frustum`, and the probes.
 #pragma once
 
 #include <occlude/core/clock.h>
@@ -55,14 +55,20 @@ constexpr auto option_names(AdaptiveOptions::Method)
 
 class Adaptive final : public Culler {
 public:
+    using Options = AdaptiveOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "adaptive",
+        .paper = "Guthe, Balazs, Klein 2006, with measured costs",
+        .summary =
+            "measures what drawing and testing cost, and tests only what pays; else as frustum",
+    };
+
     /// Without a clock costs are what the device's hints say.
     explicit Adaptive(HierarchyRef hierarchy, AdaptiveOptions options = {},
                       SecondsClock clock = {});
 
-    const CostModel& costs() const { return shared_.costs(); }
-    const HierarchyCut& cut() const { return shared_.cut.cut(); }
-
 private:
+    friend class CullerProbe; // of the tests
     void cull_frame(CullFrame& frame) override;
     void reset_state() override;
 

@@ -4,12 +4,6 @@
 
 namespace occlude {
 
-Guarantee BatchAndWait::guarantee() const
-{
-    return options_.threshold == 0 ? Guarantee::exact()
-                                   : Guarantee::approximate(options_.threshold);
-}
-
 // 29.3.2: large on the screen, "a tall wall or a big building".
 bool BatchAndWait::is_occluder(const CullFrame& frame, NodeId node) const
 {

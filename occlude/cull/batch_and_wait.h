@@ -43,6 +43,16 @@ struct BatchAndWaitOptions {
 
 class BatchAndWait final : public Culler {
 public:
+    using Options = BatchAndWaitOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "batch_and_wait",
+        .paper = "Sekulic 2004, 29.3",
+        .summary = "tests objects near to far: issues n queries, then reads n results",
+        .needs = {.queries = true},
+        .node_use = NodeUse::leaves,
+        .remembers = false,
+    };
+
     explicit BatchAndWait(HierarchyRef hierarchy, BatchAndWaitOptions options = {})
         : Culler(hierarchy)
         , options_(clamped(options))
@@ -53,7 +63,7 @@ public:
 private:
     void cull_frame(CullFrame& frame) override;
     void reset_state() override {}
-    Guarantee guarantee() const override;
+    Guarantee guarantee() const override { return by_threshold(options_.threshold); }
 
     bool is_occluder(const CullFrame& frame, NodeId node) const;
     void test_batch(CullFrame& frame, std::span<const ObjectTests::Object> objects);

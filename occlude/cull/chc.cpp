@@ -4,22 +4,11 @@
 
 namespace occlude {
 
-Guarantee Chc::guarantee() const
-{
-    return options_.threshold == 0 ? Guarantee::exact()
-                                   : Guarantee::approximate(options_.threshold);
-}
-
 void Chc::reset_state()
 {
     states_.clear();
     distance_queue_.clear();
     query_queue_.clear();
-}
-
-bool Chc::visible(NodeId node) const
-{
-    return node.value < states_.size() && states_[node.value].visible;
 }
 
 void Chc::pull_up_visibility(NodeId node)

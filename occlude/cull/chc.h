@@ -46,16 +46,23 @@ struct ChcOptions {
 
 class Chc final : public Culler {
 public:
+    using Options = ChcOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "chc",
+        .paper = "Bittner, Wimmer, Piringer, Purgathofer 2004",
+        .summary =
+            "coherent hierarchical culling: draws visible leaves at once and tests them meanwhile",
+        .needs = {.queries = true},
+    };
+
     explicit Chc(HierarchyRef hierarchy, ChcOptions options = {})
         : Culler(hierarchy)
         , options_(clamped(options))
     {
     }
 
-    /// True if `node` was found visible in the last frame; for tests of the pull-up invariant.
-    bool visible(NodeId node) const;
-
 private:
+    friend class CullerProbe; // of the tests
     struct NodeState {
         uint32_t last_visited = 0; ///< stamp of the last frame that popped it inside the frustum
         uint32_t next_test = 0;    ///< stamp from which a visible leaf is tested again
@@ -70,7 +77,7 @@ private:
 
     void cull_frame(CullFrame& frame) override;
     void reset_state() override;
-    Guarantee guarantee() const override;
+    Guarantee guarantee() const override { return by_threshold(options_.threshold); }
 
     void visit_node(CullFrame& frame, DistanceQueue::Entry entry);
     void query_node(CullFrame& frame, NodeId node, PlaneMask mask);

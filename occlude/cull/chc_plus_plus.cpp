@@ -23,22 +23,6 @@ void ChcPlusPlus::reset_state()
     batcher_.clear();
 }
 
-Guarantee ChcPlusPlus::guarantee() const
-{
-    return options_.threshold == 0 ? Guarantee::exact()
-                                   : Guarantee::approximate(options_.threshold);
-}
-
-bool ChcPlusPlus::visible(NodeId node) const
-{
-    return node.value < states_.size() && states_[node.value].visible;
-}
-
-bool ChcPlusPlus::idle() const
-{
-    return distance_queue_.empty() && query_queue_.empty() && i_queue_.empty() && v_queue_.empty();
-}
-
 bool ChcPlusPlus::is_leaf(NodeId node) const
 {
     return options_.virtual_leaves ? hierarchy().is_leaf(node)

@@ -86,16 +86,18 @@ struct ChcPlusPlusOptions {
 
 class ChcPlusPlus final : public Culler {
 public:
+    using Options = ChcPlusPlusOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "chc_plus_plus",
+        .paper = "Mattausch, Bittner, Wimmer 2008",
+        .summary = "CHC with batched tests, multiqueries and tight bounds",
+        .needs = {.queries = true},
+    };
+
     explicit ChcPlusPlus(HierarchyRef hierarchy, ChcPlusPlusOptions options = {});
 
-    /// True if `node` was found visible in the last frame; for tests of the pull-up invariant.
-    bool visible(NodeId node) const;
-    /// The frame stamp from which a visible leaf is tested again; for tests of the jitter.
-    uint32_t next_test(NodeId node) const { return states_[node.value].next_test; }
-    /// True if no queue holds anything; holds after every frame.
-    bool idle() const;
-
 private:
+    friend class CullerProbe; // of the tests
     struct NodeState {
         uint32_t last_visited = 0;  ///< stamp of the last frame that popped it inside the frustum
         uint32_t next_test = 0;     ///< stamp from which a visible leaf is tested again
@@ -108,7 +110,7 @@ private:
 
     void cull_frame(CullFrame& frame) override;
     void reset_state() override;
-    Guarantee guarantee() const override;
+    Guarantee guarantee() const override { return by_threshold(options_.threshold); }
 
     bool is_leaf(NodeId node) const;
     void visit_node(CullFrame& frame, DistanceQueue::Entry entry);

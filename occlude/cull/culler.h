@@ -6,6 +6,7 @@
 #include <occlude/core/messages.h>
 #include <occlude/core/query_device.h>
 #include <occlude/core/view.h>
+#include <occlude/cull/algorithm_traits.h>
 #include <occlude/cull/parts/frame_record.h>
 #include <occlude/hierarchy/hierarchy.h>
 
@@ -33,8 +34,13 @@ private:
 /// One view's culler over one hierarchy: it owns the view's temporal state. Two eyes, a shadow map
 /// and a reflection are four cullers over one hierarchy. Not thread-safe; different cullers may run
 /// in different threads on different devices, since the hierarchy is const while culling.
+///
+/// An algorithm derives from this and declares two names for the registry: `kTraits`, its
+/// AlgorithmTraits, and `Options`, unless it has none.
 class Culler {
 public:
+    using Options = NoOptions;
+
     /// Keeps a reference: `hierarchy` outlives the culler and stays where it is. It may be refitted
     /// or assigned another one between frames; a changed structure resets the culler by itself.
     /// After it was moved away the culler has nothing to draw: asserting builds say so.
@@ -85,6 +91,11 @@ protected:
     /// unless an algorithm knows better.
     virtual void structure_changed() { reset(); }
     virtual Guarantee guarantee() const { return Guarantee::exact(); }
+    /// The guarantee of frames in which tests that count at most `threshold` samples hide.
+    static Guarantee by_threshold(uint64_t threshold)
+    {
+        return threshold == 0 ? Guarantee::exact() : Guarantee::approximate(threshold);
+    }
 
     /// Gives up a test that is not answered yet: the frames to come spend its ticket as soon as its
     /// answer is there, so that the device can use the place for another test.

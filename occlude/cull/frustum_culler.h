@@ -13,6 +13,13 @@ namespace occlude {
 
 class FrustumCuller final : public Culler {
 public:
+    static constexpr AlgorithmTraits kTraits{
+        .name = "frustum",
+        .paper = "baseline",
+        .summary = "draws everything in the view frustum",
+        .remembers = false,
+    };
+
     using Culler::Culler;
 
 private:

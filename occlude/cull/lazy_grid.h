@@ -103,12 +103,20 @@ struct LazyGridOptions {
 
 class LazyGrid final : public Culler {
 public:
+    using Options = LazyGridOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "lazy_grid",
+        .paper = "Hey, Tobler, Purgathofer 2001",
+        .summary =
+            "compares boxes with the farthest depth of screen cells, which it updates on demand",
+        .needs = {.depth_read = true},
+        .remembers = false,
+    };
+
     explicit LazyGrid(HierarchyRef hierarchy, LazyGridOptions options = {});
 
-    /// The cells as the last frame left them.
-    const OcclusionGrid& grid() const { return grid_; }
-
 private:
+    friend class CullerProbe; // of the tests
     /// A bounding volume in a list.
     struct Volume {
         ScreenBounds bounds;

@@ -108,7 +108,8 @@ void NextFrame::draw_untested(CullFrame& frame, const ObjectTests::Object& objec
     frame.draw_leaf(object.node, object.mask, decision);
 }
 
-// "Render the object itself" in a query, every k frames; at once if only its box was seen so far.
+// "Render the object itself" in a query every k frames, or in the first frame if only its box was
+// seen before.
 void NextFrame::draw_visible(CullFrame& frame, const ObjectTests::Object& object)
 {
     const NodeId node = object.node;

@@ -39,7 +39,7 @@ struct NextFrameOptions {
     /// How the results of the last frame are read.
     enum class Read : uint8_t {
         wait, ///< all of them, at the start of the frame
-        poll, ///< those that are there; an object whose result is not stays what it was
+        poll, ///< the results that have arrived; an object without one keeps its state
     };
     Read read = Read::wait;
     /// With Read::poll: a result this many frames old is waited for. At least 1.
@@ -66,6 +66,17 @@ struct NextFrameOptions {
 
 class NextFrame final : public Culler {
 public:
+    using Options = NextFrameOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "next_frame",
+        .paper = "Sekulic 2004, 29.4",
+        .summary =
+            "draws objects by the answers of the last frame: never waits, is late by a frame",
+        .needs = {.queries = true},
+        .node_use = NodeUse::leaves,
+        .exact = false,
+    };
+
     explicit NextFrame(HierarchyRef hierarchy, NextFrameOptions options = {});
 
     /// The samples that the last answered test of an object counted: its own pixels (times samples

@@ -11,16 +11,36 @@
 //             untimed. If the tree was replaced since, both draw everything in the frustum.
 #pragma once
 
+#include <occlude/cull/culler.h>
 #include <occlude/cull/parts/frustum_walk.h>
-#include <occlude/cull/registry.h>
 #include <occlude/cull/stop_and_wait.h>
 
+#include <span>
 #include <vector>
 
 namespace occlude {
 
+/// Cullers that must be told beforehand what is visible: call record() with the frame's view before
+/// the frame is culled. `opt` finds the leaves by an exact stop-and-wait pass on the device;
+/// `ideal` is told the items that own a pixel.
+class OracleCuller : public Culler {
+public:
+    using Culler::Culler;
+    /// Finds the answer for `view` (untimed). `owners` are the items that own at least one pixel of
+    /// an id buffer of this view; only `ideal` reads them.
+    virtual void record(const View& view, QueryDevice& device, std::span<const ItemId> owners) = 0;
+};
+
 class Opt final : public OracleCuller {
 public:
+    static constexpr AlgorithmTraits kTraits{
+        .name = "opt",
+        .paper = "comparison",
+        .summary = "draws the leaves that an exact pass found visible",
+        .needs = {.visible_set = true},
+        .remembers = false,
+    };
+
     explicit Opt(HierarchyRef hierarchy)
         : OracleCuller(hierarchy)
         , pass_(hierarchy)
@@ -41,6 +61,15 @@ private:
 
 class Ideal final : public OracleCuller {
 public:
+    static constexpr AlgorithmTraits kTraits{
+        .name = "ideal",
+        .paper = "comparison",
+        .summary = "draws the items that own a pixel",
+        .needs = {.visible_set = true},
+        .node_use = NodeUse::none,
+        .remembers = false,
+    };
+
     using OracleCuller::OracleCuller;
 
     /// Remembers `owners`, near to far.

@@ -6,8 +6,9 @@
 //             Visibility Culling Using the Prioritized-Layered Projection Algorithm", IEEE TVCG
 //             7(4), 2001 (cPLP), as followed up by W. T. Correa, J. T. Klosowski, C. T. Silva,
 //             "Visibility-Based Prefetching for Interactive Out-Of-Core Rendering", 2003.
-// Map         the front, a queue of cells by solidity    -> Prioritized::draw_by_solidity
-//             what a cell hands on to its neighbours     -> Prioritized::spread
+// Map         the front, a queue of cells by solidity    -> SolidityFront (solidity_front.h)
+//             what a cell hands on to its neighbours     -> SolidityFront::spread
+//             the projection, until the budget is spent  -> Prioritized::draw_by_solidity
 //             the finish of cPLP                         -> Prioritized::finish_by_tests
 // Deviations  Cells are those of a regular grid, not of a tetrahedral mesh or octree. The solidity
 //             of a cell is the least sum of densities over all ways of cells from the eye to it,
@@ -28,6 +29,7 @@
 #include <occlude/cull/culler.h>
 #include <occlude/cull/parts/cell_grid.h>
 #include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/solidity_front.h>
 
 #include <cstdint>
 #include <vector>
@@ -51,6 +53,16 @@ struct PrioritizedOptions {
 
 class Prioritized final : public Culler {
 public:
+    using Options = PrioritizedOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "prioritized",
+        .paper = "Klosowski, Silva 2000; Correa, Klosowski, Silva 2003",
+        .summary = "draws first what is least likely hidden, until a budget is spent",
+        .needs = {.queries = true},
+        .node_use = NodeUse::none,
+        .exact = PrioritizedOptions{}.finish,
+    };
+
     /// `clock` gives seconds that rise. It measures the time to issue draws, which is the
     /// time to draw only where the device draws at once or the clock asks it. Never asked without a
     /// time budget.
@@ -62,17 +74,8 @@ public:
     {
     }
 
-    /// Occupied cells in the order in which the last frame drew them; for tests and pictures.
-    std::span<const uint32_t> cells_drawn() const { return cells_drawn_; }
-    const CellGrid& grid() const { return grid_; }
-
 private:
-    /// A cell of the lattice, occupied or not, that waits in the front.
-    struct Front {
-        double solidity;
-        double distance; ///< of its centre from the eye's cell, in cells
-        uint64_t index;
-    };
+    /// An occupied cell that the budget left out.
     struct Remaining {
         float distance;
         uint32_t cell;
@@ -82,12 +85,8 @@ private:
     void reset_state() override { seen_stamp_.clear(); }
     Guarantee guarantee() const override;
 
-    void prepare(const CullFrame& frame);
+    void prepare();
     void draw_by_solidity(CullFrame& frame);
-    void spread(const Front& from, const glm::uvec3& eye_cell);
-    static bool comes_later(const Front& a, const Front& b);
-    void push(const Front& entry);
-    Front pop();
     bool spent(CullFrame& frame);
     void draw_cell(CullFrame& frame, uint32_t cell, Decision decision);
     bool any_left(const CullFrame& frame, const CellGrid::Cell& cell) const;
@@ -98,12 +97,8 @@ private:
     PrioritizedOptions options_;
     SecondsClock clock_;
     CellGrid grid_;
-    std::vector<uint32_t> cell_at_;    ///< per index in the lattice: the occupied cell, or kNone
-    std::vector<double> solidity_;     ///< per index in the lattice: the least found so far
-    uint64_t fullest_ = 1;             ///< triangles of the fullest cell
-    std::vector<Front> front_;         ///< a heap, the least solid on top
+    SolidityFront front_;
     std::vector<uint32_t> seen_stamp_; ///< by position: the last frame that drew or decided it
-    std::vector<uint32_t> cells_drawn_;
     std::vector<Remaining> remaining_;
     std::vector<uint32_t> hidden_;
     TestBatch batch_;

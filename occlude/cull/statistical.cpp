@@ -9,12 +9,6 @@
 
 namespace occlude {
 
-Guarantee Statistical::guarantee() const
-{
-    return options_.threshold == 0 ? Guarantee::exact()
-                                   : Guarantee::approximate(options_.threshold);
-}
-
 void Statistical::reset_state()
 {
     statistics_.clear();

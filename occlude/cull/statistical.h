@@ -59,11 +59,10 @@ struct StatisticalOptions {
         all,    ///< all: nothing is under way when the pointer moves on
         oldest, ///< the oldest, and those after it that are there
     };
-    /// How make_culler() (registry.h) has the culler count time. A clock that is given to the
-    /// constructor is used, whatever this says.
+    /// What pauses are counted in.
     enum class Time : uint8_t {
         frames, ///< frames: runs repeat
-        clock,  ///< seconds of the clock that make_culler() was given
+        clock,  ///< seconds of the clock that the culler was given; frames if it was given none
     };
 
     /// BASE_TIME, seconds. Smaller for a faster viewer; 0 tests every node in every frame.
@@ -90,21 +89,28 @@ struct StatisticalOptions {
 
 class Statistical final : public Culler {
 public:
-    /// `clock` is asked once per frame. Without one, time is the number of frames since the last
-    /// reset over frames_per_second.
+    using Options = StatisticalOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "statistical",
+        .paper = "Kovalcik, Sochor 2005",
+        .summary =
+            "draws recently visible nodes untested, for longer the more often they were visible",
+        .needs = {.queries = true},
+    };
+
+    /// With Time::clock `clock` is asked once per frame. Otherwise, time is the number of frames
+    /// since the last reset over frames_per_second.
     explicit Statistical(HierarchyRef hierarchy, StatisticalOptions options = {},
                          SecondsClock clock = {})
         : Culler(hierarchy)
         , options_(clamped(options))
-        , clock_(std::move(clock))
+        , clock_(options_.time == StatisticalOptions::Time::clock ? std::move(clock)
+                                                                  : SecondsClock{})
     {
     }
 
-    /// Seconds for which `node` is not tested after a visible result, `visible_results` of the kept
-    /// ones being visible: BASE_TIME * (2 - 0.5^n), spread. O(1).
-    double pause(NodeId node, uint32_t visible_results) const;
-
 private:
+    friend class CullerProbe; // of the tests
     enum class Action : uint8_t { render, skip, query };
 
     struct Statistics {
@@ -119,7 +125,7 @@ private:
 
     void cull_frame(CullFrame& frame) override;
     void reset_state() override;
-    Guarantee guarantee() const override;
+    Guarantee guarantee() const override { return by_threshold(options_.threshold); }
 
     void move_pointer(CullFrame& frame);
     void handle_results(CullFrame& frame);
@@ -128,6 +134,9 @@ private:
     void issue(CullFrame& frame, NodeList::Position place);
     void submit_batch(CullFrame& frame);
     void save_statistics(NodeId node, bool visible);
+    /// Seconds for which `node` is not tested after a visible result, `visible_results` of the kept
+    /// ones being visible: BASE_TIME * (2 - 0.5^n), spread.
+    double pause(NodeId node, uint32_t visible_results) const;
 
     StatisticalOptions options_;
     SecondsClock clock_;

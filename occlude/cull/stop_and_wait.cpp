@@ -5,12 +5,6 @@
 
 namespace occlude {
 
-Guarantee StopAndWait::guarantee() const
-{
-    return options_.threshold == 0 ? Guarantee::exact()
-                                   : Guarantee::approximate(options_.threshold);
-}
-
 void StopAndWait::cull_frame(CullFrame& frame)
 {
     stack_.assign(1, {hierarchy().root(), Frustum::kAllPlanes});

@@ -27,6 +27,15 @@ struct StopAndWaitOptions {
 
 class StopAndWait final : public Culler {
 public:
+    using Options = StopAndWaitOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "stop_and_wait",
+        .paper = "baseline",
+        .summary = "tests each node and waits for the answer",
+        .needs = {.queries = true},
+        .remembers = false,
+    };
+
     explicit StopAndWait(HierarchyRef hierarchy, StopAndWaitOptions options = {})
         : Culler(hierarchy)
         , options_(clamped(options))
@@ -41,7 +50,7 @@ private:
 
     void cull_frame(CullFrame& frame) override;
     void reset_state() override {}
-    Guarantee guarantee() const override;
+    Guarantee guarantee() const override { return by_threshold(options_.threshold); }
 
     StopAndWaitOptions options_;
     std::vector<Pending> stack_;

@@ -20,12 +20,6 @@ TwoLevel::TwoLevel(HierarchyRef hierarchy, TwoLevelCullOptions options)
 {
 }
 
-Guarantee TwoLevel::guarantee() const
-{
-    return options_.threshold == 0 ? Guarantee::exact()
-                                   : Guarantee::approximate(options_.threshold);
-}
-
 void TwoLevel::reset_state()
 {
     states_.clear();

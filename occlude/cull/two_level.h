@@ -74,16 +74,19 @@ struct TwoLevelCullOptions {
 
 class TwoLevel final : public Culler {
 public:
+    using Options = TwoLevelCullOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "two_level",
+        .paper = "Kovalcik, Tobola (two-level BSP)",
+        .summary =
+            "for moving objects: tests boxes apart on the screen together, and visible ones rarely",
+        .needs = {.queries = true},
+    };
+
     explicit TwoLevel(HierarchyRef hierarchy, TwoLevelCullOptions options = {});
 
-    /// True if no node is left in the list; holds after every frame (I2).
-    bool idle() const
-    {
-        return fresh_.empty() && waiting_.empty() && deferred_.empty() && parts_.empty() &&
-               pending_.empty();
-    }
-
 private:
+    friend class CullerProbe; // of the tests
     /// The memory of a node, by its key.
     struct NodeState {
         uint32_t last_visited = 0;  ///< stamp of the last frame in which it was reached inside
@@ -109,7 +112,7 @@ private:
     void cull_frame(CullFrame& frame) override;
     void reset_state() override;
     void structure_changed() override;
-    Guarantee guarantee() const override;
+    Guarantee guarantee() const override { return by_threshold(options_.threshold); }
 
     // --- Algorithm 2 ---
     void start_frame();
@@ -150,12 +153,13 @@ private:
     KeepTable keep_table_;
     ObjectSpaces spaces_;
 
-    std::vector<Active> active_;    ///< all that were active in this frame; the list of those ...
-    std::vector<uint32_t> fresh_;   ///< ... not reached yet: a heap, the nearest first
-    std::vector<uint32_t> waiting_; ///< ... that need a test of their own, near to far
-    std::vector<MultiqueryBatcher::Candidate> deferred_; ///< ... that stayed hidden: tested last
-    std::vector<Query> parts_;                           ///< ... of failed groups, to be tested
-    std::vector<Query> pending_;                         ///< ... with a test under way, as issued
+    std::vector<Active> active_; ///< all nodes that were active in this frame
+    // The paper's list of active nodes, by what each node waits for:
+    std::vector<uint32_t> fresh_;   ///< to be reached: a heap, the nearest first
+    std::vector<uint32_t> waiting_; ///< for a test of its own, near to far
+    std::vector<MultiqueryBatcher::Candidate> deferred_; ///< for the end: it stayed hidden
+    std::vector<Query> parts_;   ///< for a test: parts of groups that failed
+    std::vector<Query> pending_; ///< for an answer: tests as issued
     MultiqueryBatcher batcher_{kLeastHalved - 1};
 };
 

@@ -4,7 +4,7 @@ namespace occlude {
 
 namespace {
 
-// Which siblings become one entry of the cut again is a matter of chance; this is its seed.
+// Of the random choice of siblings that become one entry of the cut again.
 constexpr uint64_t kSeed = 1;
 
 } // namespace

@@ -54,14 +54,19 @@ struct TwoPhaseOptions {
 
 class TwoPhase final : public Culler {
 public:
+    using Options = TwoPhaseOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "two_phase",
+        .paper = "Greene, Kass, Miller 1993; Haar, Aaltonen 2015",
+        .summary =
+            "draws what was visible last frame, then tests the rest against its depth on the CPU",
+        .needs = {.depth_read = true},
+    };
+
     explicit TwoPhase(HierarchyRef hierarchy, TwoPhaseOptions options = {});
 
-    const HierarchyCut& cut() const { return cut_.cut(); }
-    /// True if something of `node` was found visible by the last frame and will be drawn first in
-    /// the next. O(entries of the cut).
-    bool visible(NodeId node) const { return cut_.visible(node); }
-
 private:
+    friend class CullerProbe; // of the tests
     void cull_frame(CullFrame& frame) override;
     void reset_state() override;
 

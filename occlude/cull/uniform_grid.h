@@ -36,6 +36,15 @@ struct UniformGridOptions {
 
 class UniformGrid final : public Culler {
 public:
+    using Options = UniformGridOptions;
+    static constexpr AlgorithmTraits kTraits{
+        .name = "uniform_grid",
+        .paper = "Hillesland, Salomon, Lastra, Manocha 2002",
+        .summary = "tests the cells of a uniform or nested grid of its own, slab by slab",
+        .needs = {.queries = true},
+        .node_use = NodeUse::none,
+    };
+
     explicit UniformGrid(HierarchyRef hierarchy, UniformGridOptions options = {})
         : Culler(hierarchy)
         , options_(clamped(options))

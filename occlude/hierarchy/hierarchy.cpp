@@ -2,6 +2,7 @@
 
 #include <occlude/core/assert.h>
 #include <occlude/hierarchy/detail/node_sums.h>
+#include <occlude/hierarchy/detail/structure.h>
 
 #include <algorithm>
 #include <atomic>
@@ -72,7 +73,7 @@ Hierarchy Hierarchy::from_arrays(std::vector<Node> nodes, std::vector<ItemId> it
             node.subtree_items += child.subtree_items;
         }
     }
-    OCCLUDE_VALIDATE(check_structure(result));
+    OCCLUDE_VALIDATE(detail::check_structure(result));
     result.refit_nodes();
     return result;
 }

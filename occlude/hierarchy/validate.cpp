@@ -1,6 +1,7 @@
 // What holds in every tree, checked from the arrays alone, and what a tree is worth.
 #include <occlude/hierarchy/detail/box_area.h>
 #include <occlude/hierarchy/detail/node_sums.h>
+#include <occlude/hierarchy/detail/structure.h>
 #include <occlude/hierarchy/hierarchy.h>
 
 #include <algorithm>
@@ -74,7 +75,7 @@ static std::string check_items(const Hierarchy& hierarchy)
 }
 
 // The part of validate() that concerns the shape: after it, every range lies within its array.
-static std::string check_structure(const Hierarchy& hierarchy)
+std::string detail::check_structure(const Hierarchy& hierarchy)
 {
     if (std::string problem = check_items(hierarchy); !problem.empty()) {
         return problem;
@@ -135,7 +136,7 @@ static std::string check_derived(const Hierarchy& hierarchy)
 
 std::string validate(const Hierarchy& hierarchy)
 {
-    std::string problem = check_structure(hierarchy);
+    std::string problem = detail::check_structure(hierarchy);
     return problem.empty() ? check_derived(hierarchy) : problem;
 }
 

@@ -1,5 +1,6 @@
 #include <occlude/cull/chc_plus_plus.h>
 
+#include "support/culler_probe.h"
 #include "support/trees.h"
 #include "support/visibility_script.h"
 
@@ -145,7 +146,7 @@ TEST(ChcPlusPlus, NoAnswerIsLeftForTheNextFrame)
     for (int frame = 0; frame < 6; ++frame) {
         const FrameReport report = culler.cull(look_ahead(), device);
         EXPECT_EQ(device.outstanding(), 0u);
-        EXPECT_TRUE(culler.idle());
+        EXPECT_TRUE(CullerProbe::idle(culler));
         if (frame > 0) {
             EXPECT_EQ(report.counters.queries, 16u); // the visible leaves, no more
         }

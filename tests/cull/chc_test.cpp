@@ -1,5 +1,6 @@
 #include <occlude/cull/chc.h>
 
+#include "support/culler_probe.h"
 #include "support/trees.h"
 
 #include <occlude/device/scripted_device.h>
@@ -86,7 +87,7 @@ TEST(Chc, AVisibleLeafFoundHiddenIsTestedBeforeItIsDrawnAgain)
     device.script().boxes = visible_subjects({});
     culler.cull(look_ahead(), device);
     EXPECT_EQ(culler.drawn_items().size(), 1u); // drawn while its test was under way
-    EXPECT_FALSE(culler.visible(NodeId{3u}));
+    EXPECT_FALSE(CullerProbe::visible(culler, NodeId{3u}));
     culler.cull(look_ahead(), device);
     EXPECT_EQ(device.frame_text(2), "query [0]\nflush\nwait 0 -> 0\n");
 }

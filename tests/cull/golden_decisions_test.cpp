@@ -127,7 +127,7 @@ constexpr GoldenByMethod kGoldenByMethod[] = {
     {"two_level", "adaptive", "pyramid", 0x89491a0055ce3460},
 };
 
-TEST(GoldenDecisions, OfTheAlgorithmsOverACutAreTheSameEverywhereByEveryMethod)
+TEST(GoldenDecisions, OfTheAlgorithmsThatReadDepthAreTheSameEverywhereByEveryMethod)
 {
     for (const GoldenByMethod& golden : kGoldenByMethod) {
         const HierarchyKind* kind = find_hierarchy_kind(golden.hierarchy);

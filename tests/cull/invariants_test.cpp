@@ -1,10 +1,7 @@
 // What must hold after every frame of every algorithm that tests, whatever the answers and however
 // late they come: invariants I1 to I5, the contract of the device, and decisions that do not depend
 // on latency, threads or compiler. (I6, the image itself, is in exactness_test.cpp.)
-#include <occlude/cull/chc.h>
-#include <occlude/cull/chc_plus_plus.h>
-#include <occlude/cull/registry.h>
-
+#include "cull/invariant_cases.h"
 #include "support/visibility_script.h"
 #include "support/walks.h"
 
@@ -22,122 +19,7 @@
 namespace occlude {
 namespace {
 
-struct Case {
-    std::string algorithm;
-    std::vector<OptionValue> options;
-    std::string hierarchy = "bvh";
-};
-
-std::string name_of(const ::testing::TestParamInfo<Case>& info)
-{
-    return test::case_name(info.param.hierarchy + "_" + info.param.algorithm, info.param.options);
-}
-
-const std::vector<Case>& cases()
-{
-    static const std::vector<Case> all{
-        {"stop_and_wait", {}},
-        {"batch_and_wait", {}},
-        {"batch_and_wait", {{"batch_size", "0"}}},
-        {"batch_and_wait", {{"skip_triangles_below", "150"}, {"occluder_share", "0.3"}}},
-        {"chc", {}},
-        {"chc", {{"visible_test", "geometry"}}},
-        {"chc", {{"assume_visible_frames", "5"}}},
-        {"chc_plus_plus", {}},
-        {"chc_plus_plus", {{"batch_size", "1"}}},
-        {"chc_plus_plus", {{"v_queue", "false"}}},
-        {"chc_plus_plus", {{"v_fill", "1"}}},
-        {"chc_plus_plus", {{"render_queue", "false"}}},
-        {"chc_plus_plus", {{"min_render_triangles", "5000"}}},
-        {"chc_plus_plus", {{"assume_visible_frames", "1"}, {"jitter", "false"}}},
-        {"chc_plus_plus", {{"tight_bounds_depth", "0"}}},
-        {"chc_plus_plus", {{"virtual_leaves", "false"}}},
-        {"chc_plus_plus", {{"multiqueries", "off"}}},
-        {"chc_plus_plus", {{"multiqueries", "analytic"}}},
-        {"chc_plus_plus", {{"depth_only_pass", "true"}}},
-        {"uniform_grid", {{"cell_triangles", "500"}}},
-        {"uniform_grid", {{"cell_triangles", "2000"}, {"nested_levels", "0"}}},
-        {"uniform_grid", {{"cell_triangles", "4000"}, {"nested_levels", "2"}}},
-        {"prioritized", {{"finish", "true"}, {"budget_triangles", "5000"}}},
-        {"prioritized",
-         {{"finish", "true"},
-          {"budget_triangles", "1"},
-          {"cell_triangles", "300"},
-          {"batch_size", "7"}}},
-        {"two_phase", {}},
-        {"two_phase", {{"virtual_leaves", "true"}, {"refine", "false"}}},
-        {"two_phase", {{"reread_triangles", "1000"}, {"final_depth", "true"}}},
-        {"adaptive", {}},
-        {"adaptive", {{"method", "draw_all"}}},
-        {"adaptive", {{"method", "queries"}}},
-        {"adaptive", {{"method", "raster"}}},
-        {"adaptive", {{"method", "pyramid"}}},
-        {"two_level", {}},
-        {"two_level", {{"disjoint", "false"}}},
-        {"two_level", {{"multiqueries", "false"}}},
-        {"two_level", {{"max_pending", "1"}}},
-        {"two_level", {{"history_length", "1"}, {"spread", "false"}}},
-        {"two_level", {{"max_postponed", "0"}}},
-        {"statistical", {}},
-        {"statistical", {{"issue", "at_place"}}},
-        {"statistical", {{"results", "oldest"}}},
-        {"statistical", {{"max_in_flight", "1"}}},
-        {"statistical", {{"spread", "0"}, {"history", "1"}}},
-        {"statistical", {{"base_time", "0"}}},
-        {"statistical", {{"base_time", "0.05"}, {"max_age", "0.5"}}},
-    };
-    return all;
-}
-
-// Each case on each kind of hierarchy.
-std::vector<Case> cases_on_every_hierarchy()
-{
-    std::vector<Case> all;
-    for (const HierarchyKind& kind : hierarchy_kinds()) {
-        for (const Case& c : cases()) {
-            all.push_back({c.algorithm, c.options, std::string{kind.name}});
-        }
-    }
-    return all;
-}
-
-// True for those that test the cells of a grid of their own instead of nodes.
-bool tests_cells(const Case& c)
-{
-    return c.algorithm == "uniform_grid" || c.algorithm == "prioritized";
-}
-
-bool has_option(const Case& c, const char* name, const char* value)
-{
-    return std::ranges::count(c.options, OptionValue{name, value}) > 0;
-}
-
-// `adaptive`, where it tests on the device: what is visible is tested for frames to come.
-bool tests_for_later_frames(const Case& c)
-{
-    return c.algorithm == "adaptive" && !has_option(c, "method", "draw_all") &&
-           !has_option(c, "method", "pyramid");
-}
-
-std::vector<Case> cases_with_queries()
-{
-    std::vector<Case> cases = cases_on_every_hierarchy();
-    std::erase_if(cases, [](const Case& c) {
-        const bool tests_nodes = find_algorithm(c.algorithm)->needs.queries && !tests_cells(c);
-        const bool told_to =
-            has_option(c, "method", "queries") || has_option(c, "method", "raster");
-        return !tests_nodes && !told_to;
-    });
-    return cases;
-}
-
-// A test for a later frame says nothing if its answer is late: what is drawn first depends on it.
-std::vector<Case> cases_that_wait_for_every_answer()
-{
-    std::vector<Case> cases = cases_on_every_hierarchy();
-    std::erase_if(cases, tests_for_later_frames);
-    return cases;
-}
+using namespace test::invariants;
 
 // Depth for algorithms that read it: tiles of 8x8 pixels, near and far at random.
 bool tiled_depth(uint64_t frame, const PixelRect& rect, std::span<float> out)
@@ -413,34 +295,6 @@ INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases_on_every_hi
 INSTANTIATE_TEST_SUITE_P(Cull, LatencyInvariants,
                          ::testing::ValuesIn(cases_that_wait_for_every_answer()), name_of);
 INSTANTIATE_TEST_SUITE_P(Cull, QueryInvariants, ::testing::ValuesIn(cases_with_queries()), name_of);
-
-template <class C>
-void expect_visible_nodes_have_visible_ancestors(C& culler, const Hierarchy& tree)
-{
-    for (uint32_t i = 1; i < tree.nodes().size(); ++i) {
-        if (culler.visible(NodeId{i})) {
-            ASSERT_TRUE(culler.visible(tree.node(NodeId{i}).parent)) << "node " << i;
-        }
-    }
-}
-
-TEST(PullUp, EveryAncestorOfAVisibleNodeIsVisible)
-{
-    const Hierarchy tree = test::random_bvh(600, 22);
-    uint64_t frame = 0;
-    ScriptedDevice device({.boxes = test::consistent_visibility(tree, 6, frame, 0.2f)});
-    Chc chc{tree};
-    ChcPlusPlus chc_plus_plus{tree};
-    const View view = test::look({0, 0, 110}, {0, 0, 0});
-    for (; frame < 20; ++frame) {
-        chc.cull(view, device);
-        chc_plus_plus.cull(view, device);
-        expect_visible_nodes_have_visible_ancestors(chc, tree);
-        expect_visible_nodes_have_visible_ancestors(chc_plus_plus, tree);
-    }
-    EXPECT_TRUE(chc.visible(tree.root()));
-    EXPECT_TRUE(chc_plus_plus.visible(tree.root()));
-}
 
 } // namespace
 } // namespace occlude

@@ -1,4 +1,5 @@
 // Item flags hold for every algorithm alike, because CullFrame sees to them.
+#include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/registry.h>
 
 #include "support/trees.h"

@@ -1,5 +1,6 @@
 #include <occlude/cull/lazy_grid.h>
 
+#include "support/culler_probe.h"
 #include "support/trees.h"
 
 #include <occlude/device/scripted_device.h>
@@ -226,9 +227,9 @@ TEST(LazyGrid, QueriedRectanglesLieAtTheNearestDepthOfTheBoxAndCoverTheCell)
     culler.cull(view, device);
     EXPECT_EQ(rectangles, 4); // node 2 in its four internal cells
     for (const glm::ivec2 cell : {glm::ivec2{15, 15}, glm::ivec2{16, 16}}) {
-        EXPECT_LT(culler.grid().cell(cell).zfar,
+        EXPECT_LT(CullerProbe::grid(culler).cell(cell).zfar,
                   project(view, tree.node(NodeId{2u}).box).near_depth);
-        EXPECT_GT(culler.grid().cell(cell).zfar, 0.9947f);
+        EXPECT_GT(CullerProbe::grid(culler).cell(cell).zfar, 0.9947f);
     }
 }
 
@@ -241,7 +242,7 @@ TEST(LazyGrid, ALostAnswerIsVisibleAndTeachesNothing)
     const FrameReport report = culler.cull(look_ahead(), device);
     EXPECT_EQ(report.counters.lost_answers, 1u);
     EXPECT_EQ(culler.drawn_items().size(), 2u);
-    EXPECT_EQ(culler.grid().cell({15, 15}).known_free, OcclusionGrid::kUnknown);
+    EXPECT_EQ(CullerProbe::grid(culler).cell({15, 15}).known_free, OcclusionGrid::kUnknown);
 }
 
 TEST(LazyGrid, TwoListsTestABoxBeforeWhatIsNotWhollyInFrontOfItIsDrawn)

@@ -1,6 +1,8 @@
+#include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/registry.h>
 
-#include "support/trees.h"
+#include "support/visibility_script.h"
+#include "support/walks.h"
 
 #include <occlude/cull/parts/decision_log.h>
 #include <occlude/cull/statistical.h>
@@ -133,6 +135,45 @@ TEST(Registry, SaysWhichHierarchiesSuitAnAlgorithm)
     EXPECT_EQ(find_algorithm("two_level")->hierarchies, all);
     EXPECT_EQ(find_algorithm("next_frame")->hierarchies, (Names{"bvh", "octree", "grid"}));
     EXPECT_TRUE(find_algorithm("uniform_grid")->hierarchies.empty());
+}
+
+// What each algorithm's kTraits promise is what it does.
+TEST(Registry, TheTraitsOfAnAlgorithmAreTrue)
+{
+    const Hierarchy tree = test::random_bvh(300, 5);
+    uint64_t epoch = 0;
+    for (const AlgorithmInfo& info : algorithms()) {
+        if (info.needs.visible_set) {
+            continue;
+        }
+        DeviceScript script{.boxes = test::consistent_visibility(tree, 7, epoch, 0.3f)};
+        script.caps.read_depth = true;
+        script.depth = [](const PixelRect&, std::span<float> depth) {
+            std::ranges::fill(depth, 0.99f);
+            return true;
+        };
+        ScriptedDevice device(script);
+        const auto culler = std::move(make_culler(info.name, tree).value());
+        FrameCounters counters;
+        size_t unlike_a_fresh_one = 0;
+        for (uint64_t frame = 0; frame < 12; ++frame) {
+            epoch = frame / 4;
+            const FrameReport report = culler->cull(test::rough_walk(frame), device);
+            EXPECT_EQ(report.guarantee == Guarantee::exact(), info.exact) << info.name;
+            counters += report.counters;
+            ScriptedDevice fresh_device(script);
+            const auto fresh = std::move(make_culler(info.name, tree).value());
+            fresh->cull(test::rough_walk(frame), fresh_device);
+            unlike_a_fresh_one +=
+                std::ranges::equal(culler->drawn_items(), fresh->drawn_items()) ? 0 : 1;
+        }
+        if (info.needs.queries || info.needs.depth_read) { // others use what there is
+            EXPECT_EQ(info.needs.depth_read, counters.depth_reads > 0) << info.name;
+        }
+        if (!info.remembers) {
+            EXPECT_EQ(unlike_a_fresh_one, 0u) << info.name << " remembers";
+        }
+    }
 }
 
 TEST(Registry, WhatMakesNoUseOfNodesDecidesAlikeOnEveryHierarchy)

@@ -1,5 +1,6 @@
 #include <occlude/cull/statistical.h>
 
+#include "support/culler_probe.h"
 #include "support/trees.h"
 #include "support/visibility_script.h"
 
@@ -18,6 +19,7 @@ using test::look;
 using test::look_ahead;
 using test::row_tree;
 using Issue = StatisticalOptions::Issue;
+using Time = StatisticalOptions::Time;
 using Results = StatisticalOptions::Results;
 
 // Tree of row_tree(2): 0 (1 (3 4) 2 (5 6)); only the nearest leaf, 3, is visible.
@@ -136,10 +138,10 @@ TEST(Statistical, ThePauseFollowsTheFormula)
 {
     const Hierarchy tree = row_tree(1);
     const Statistical culler{tree, {.base_time = 2.0f, .spread = 0.0f}};
-    EXPECT_DOUBLE_EQ(culler.pause(NodeId{0u}, 0), 2.0);
-    EXPECT_DOUBLE_EQ(culler.pause(NodeId{0u}, 1), 3.0);
-    EXPECT_DOUBLE_EQ(culler.pause(NodeId{0u}, 2), 3.5);
-    EXPECT_DOUBLE_EQ(culler.pause(NodeId{0u}, 8), 4.0 - 2.0 / 256.0);
+    EXPECT_DOUBLE_EQ(CullerProbe::pause(culler, NodeId{0u}, 0), 2.0);
+    EXPECT_DOUBLE_EQ(CullerProbe::pause(culler, NodeId{0u}, 1), 3.0);
+    EXPECT_DOUBLE_EQ(CullerProbe::pause(culler, NodeId{0u}, 2), 3.5);
+    EXPECT_DOUBLE_EQ(CullerProbe::pause(culler, NodeId{0u}, 8), 4.0 - 2.0 / 256.0);
 }
 
 TEST(Statistical, SpreadPausesStayWithinTheSpreadAndDiffer)
@@ -149,8 +151,8 @@ TEST(Statistical, SpreadPausesStayWithinTheSpreadAndDiffer)
     double least = 10.0;
     double most = 0.0;
     for (uint32_t node = 0; node < 1000; ++node) {
-        least = std::min(least, culler.pause(NodeId{node}, 1));
-        most = std::max(most, culler.pause(NodeId{node}, 1));
+        least = std::min(least, CullerProbe::pause(culler, NodeId{node}, 1));
+        most = std::max(most, CullerProbe::pause(culler, NodeId{node}, 1));
     }
     EXPECT_GE(least, 1.5 * 0.75);
     EXPECT_LT(least, 1.5 * 0.76);
@@ -163,9 +165,10 @@ TEST(Statistical, ANodeIsTestedLessOftenTheMoreOftenItWasVisible)
     const Hierarchy tree = row_tree(0); // a single leaf
     ScriptedDevice device;
     double now = 5.0;
-    Statistical culler{tree,
-                       {.base_time = 1.0f, .history = 2, .max_age = 9.0f, .spread = 0.0f},
-                       [&now] { return now; }};
+    Statistical culler{
+        tree,
+        {.base_time = 1.0f, .history = 2, .max_age = 9.0f, .spread = 0.0f, .time = Time::clock},
+        [&now] { return now; }};
     culler.cull(look_ahead(), device);
     // 1.5 s after one visible result, 1.75 s after two, and not more: two count.
     const double step = 0.125;
@@ -179,9 +182,10 @@ TEST(Statistical, AHiddenResultAmongTheKeptOnesShortensThePause)
     const Hierarchy tree = row_tree(0);
     ScriptedDevice device;
     double now = 0.0;
-    Statistical culler{tree,
-                       {.base_time = 1.0f, .history = 2, .max_age = 9.0f, .spread = 0.0f},
-                       [&now] { return now; }};
+    Statistical culler{
+        tree,
+        {.base_time = 1.0f, .history = 2, .max_age = 9.0f, .spread = 0.0f, .time = Time::clock},
+        [&now] { return now; }};
     culler.cull(look_ahead(), device);
     seconds_to_next_test(culler, device, NodeId{0u}, now, 0.125); // visible twice
     device.script().boxes = visible_subjects({});
@@ -200,8 +204,9 @@ TEST(Statistical, StatisticsThatAreTooOldAreForgotten)
     const Hierarchy tree = row_tree(0);
     ScriptedDevice device;
     double now = 0.0;
-    Statistical culler{
-        tree, {.base_time = 1.0f, .max_age = 2.0f, .spread = 0.0f}, [&now] { return now; }};
+    Statistical culler{tree,
+                       {.base_time = 1.0f, .max_age = 2.0f, .spread = 0.0f, .time = Time::clock},
+                       [&now] { return now; }};
     culler.cull(look_ahead(), device);
     seconds_to_next_test(culler, device, NodeId{0u}, now, 0.125); // two visible results
     now += 10.0;                                                  // looked elsewhere

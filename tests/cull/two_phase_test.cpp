@@ -1,5 +1,6 @@
 #include <occlude/cull/two_phase.h>
 
+#include "support/culler_probe.h"
 #include "support/trees.h"
 
 #include <occlude/device/scripted_device.h>
@@ -43,9 +44,9 @@ TEST(TwoPhase, ColdStartDrawsEverythingThenKeepsWhatItsOwnDepthShows)
     EXPECT_EQ(device.frame_text(0), "draw 0 1 2 3\n"); // nothing drawn yet: no depth to read
     EXPECT_EQ(device.frame_text(1), "draw 0 1 2 3\nflush\nread_depth 0 0 64x64\n");
     EXPECT_EQ(device.frame_text(2), "draw 0\nflush\nread_depth 0 0 64x64\n");
-    EXPECT_TRUE(culler.visible(NodeId{3u}));
-    EXPECT_FALSE(culler.visible(NodeId{4u}));
-    EXPECT_FALSE(culler.visible(NodeId{2u}));
+    EXPECT_TRUE(CullerProbe::visible(culler, NodeId{3u}));
+    EXPECT_FALSE(CullerProbe::visible(culler, NodeId{4u}));
+    EXPECT_FALSE(CullerProbe::visible(culler, NodeId{2u}));
     const std::vector<Decision> expected{Decision::drawn_tested, Decision::hidden, Decision::hidden,
                                          Decision::hidden};
     EXPECT_EQ(culler.decisions().by_item(tree), expected);
@@ -109,7 +110,7 @@ TEST(TwoPhase, HiddenSiblingsBecomeOneEntryThatIsTestedOnce)
     const FrameReport report = culler.cull(look_ahead(), device);
     // The first leaf, and the sibling of each node on the path to it.
     EXPECT_EQ(report.counters.nodes_visited, 5u);
-    EXPECT_EQ(culler.cut().entries().size(), 5u);
+    EXPECT_EQ(CullerProbe::cut(culler).entries().size(), 5u);
     EXPECT_EQ(report.counters.queries, 0u);
     EXPECT_EQ(report.counters.depth_reads, 1u);
     EXPECT_EQ(report.counters.pixels_read, 64u * 64u);
@@ -194,7 +195,7 @@ TEST(TwoPhase, OneFarPixelBesideTheBoxDecidesOnlyWithoutRefinement)
         for (int frame = 0; frame < 2; ++frame) {
             culler.cull(look({0.3f, 0.0f, 0.0f}, {0.3f, 0.0f, -1.0f}), device);
         }
-        EXPECT_EQ(culler.visible(tree.root()), !refine);
+        EXPECT_EQ(CullerProbe::visible(culler, tree.root()), !refine);
     }
 }
 
@@ -227,9 +228,9 @@ TEST(TwoPhase, ANodeThatComesBackIntoTheFrustumIsTestedNotDrawnFromOldNews)
     ScriptedDevice device(depth_everywhere(depth));
     TwoPhase culler{tree};
     culler.cull(look_ahead(), device);
-    EXPECT_TRUE(culler.visible(tree.root()));
+    EXPECT_TRUE(CullerProbe::visible(culler, tree.root()));
     culler.cull(look({0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}), device); // looks away
-    EXPECT_FALSE(culler.visible(tree.root()));
+    EXPECT_FALSE(CullerProbe::visible(culler, tree.root()));
     culler.cull(look_ahead(), device);
     EXPECT_EQ(device.frame_text(2), "draw 0 1 2 3\n"); // as after a cold start
 }

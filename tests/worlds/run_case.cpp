@@ -5,6 +5,7 @@
 #include "worlds/scene.h"
 
 #include <occlude/backends/cpu/cpu_device.h>
+#include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/registry.h>
 #include <occlude/device/validating_device.h>
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>

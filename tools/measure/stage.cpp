@@ -1,5 +1,6 @@
 #include "measure/stage.h"
 
+#include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/parts/back_to_front.h>
 #include <occlude/cull/registry.h>
 

@@ -13,8 +13,8 @@ void TestingByDepth::start_frame()
 
 // --- reading -------------------------------------------------------------------------------------
 
-// One pixel comes when all is drawn. Gives the time when that was: a second pixel tells what
-// reading the first took besides. Precondition: the target has a pixel.
+// The time at which all was drawn, by reading one pixel, which waits for that. A second read takes
+// the time of reading alone, which is subtracted. Precondition: the target has a pixel.
 double TestingByDepth::idle_since_us(CullFrame& frame) const
 {
     float pixel = 0.0f;
@@ -24,8 +24,8 @@ double TestingByDepth::idle_since_us(CullFrame& frame) const
     return first - (shared_.meter.now_us() - first);
 }
 
-// Reads depth, and tells from how long that took when drawing had ended. A few times the device is
-// let come to rest first, so that what reading takes is measured as well.
+// Reads depth, and notes the time of drawing: what the read took beyond its known cost. While that
+// cost is not known, the device becomes idle first, so that the read can be timed alone.
 bool TestingByDepth::time_drawing_and_read(CullFrame& frame)
 {
     if (trials_.read_is_due(frame)) {

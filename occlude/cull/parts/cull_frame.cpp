@@ -224,7 +224,7 @@ Ticket CullFrame::draw_and_query(NodeId leaf, PlaneMask mask, Decision decision)
     return ticket;
 }
 
-// A threshold is one of samples, and only queries count them.
+// A threshold counts samples, and of the methods only queries do.
 TestMethod CullFrame::method_for(TestMethod asked) const
 {
     const auto counts = [](const TestCost& cost) { return cost.method == TestMethod::queries; };

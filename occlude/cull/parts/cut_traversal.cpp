@@ -4,17 +4,6 @@
 
 namespace occlude {
 
-bool CutTraversal::visible(NodeId node) const
-{
-    const Node& n = hierarchy_.node(node);
-    return std::ranges::any_of(cut_.entries(), [&](const Entry& entry) {
-        const uint32_t first =
-            entry.is_item() ? entry.place.value : hierarchy_.node(entry.node).first_item;
-        return entry.state == State::visible && first >= n.first_item &&
-               first < n.first_item + n.subtree_items;
-    });
-}
-
 void CutTraversal::forget()
 {
     clear();

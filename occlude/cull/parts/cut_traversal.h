@@ -33,7 +33,6 @@ struct CutCandidate {
     HierarchyCut::Entry entry;
     PlaneMask mask = Frustum::kAllPlanes;
     float distance = 0.0f;
-    uint32_t failed_group = 0; ///< number of the part of a failed multiquery it was in, or 0
 };
 
 class CutTraversal {
@@ -48,10 +47,6 @@ public:
 
     const Hierarchy& hierarchy() const { return hierarchy_; }
     const HierarchyCut& cut() const { return cut_; }
-
-    /// True if something of `node` was found visible by the last frame and will be drawn first in
-    /// the next. O(entries of the cut).
-    bool visible(NodeId node) const;
 
     /// Forgets the cut.
     void clear() { cut_.clear(); }

@@ -161,7 +161,8 @@ void DepthTraversal::test_candidates(CullFrame& frame)
 
 // --- near to far ---------------------------------------------------------------------------------
 
-// Takes the nearest that is in the frustum. Parts of what was opened may be outside.
+// Takes the nearest candidate or part that is in the frustum. Candidates are known to be inside;
+// parts of opened nodes may be outside.
 bool DepthTraversal::next_to_reveal(CullFrame& frame)
 {
     while (!to_reveal_.stack.empty()) {
@@ -180,7 +181,7 @@ bool DepthTraversal::next_to_reveal(CullFrame& frame)
     return false;
 }
 
-// Draws what a candidate is, or puts what it consists of on the stack.
+// Draws a candidate, or puts its parts on the stack.
 void DepthTraversal::open(CullFrame& frame, const CutCandidate& candidate, bool tested)
 {
     if (cut_.opens(candidate.entry)) {

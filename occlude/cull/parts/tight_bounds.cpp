@@ -6,8 +6,8 @@
 
 namespace occlude {
 
-// Replaces a node by descendants, level by level, while their boxes are not too many and not too
-// large.
+// Replaces a node by its descendants, up to `depth` levels, while their boxes together have at most
+// `area` times the surface area of its own.
 std::span<const NodeId> TightBounds::collect(const Hierarchy& hierarchy, NodeId node,
                                              uint32_t depth, float area)
 {

@@ -1,5 +1,6 @@
 #include <occlude/cull/adaptive.h>
 
+#include "support/culler_probe.h"
 #include "support/trees.h"
 
 #include <occlude/cull/frustum_culler.h>
@@ -46,7 +47,7 @@ TEST(Adaptive, TestsInRoundsAndStartsFromTheCutOfTheLastFrame)
     culler.cull(look_ahead(), device);
     // 3 is drawn at once; 4 and 2 were hidden once and may share a query.
     EXPECT_EQ(device.frame_text(1), "draw 0\nflush\nquery queries [4 2]\nflush\nwait 4 2 -> 0\n");
-    EXPECT_EQ(culler.cut().entries().size(), 3u);
+    EXPECT_EQ(CullerProbe::cut(culler).entries().size(), 3u);
 }
 
 TEST(Adaptive, ASmallGroupThatShowsIsAskedOneByOne)

@@ -5,6 +5,7 @@
 #include "render/gl_renderer.h"
 #include "render/image.h"
 
+#include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/registry.h>
 #include <occlude/hierarchy/builders/bvh_builder.h>
 
