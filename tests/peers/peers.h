@@ -1,6 +1,7 @@
 // Scenes and checks that the tests of other people's defects share.
 #pragma once
 
+#include "support/box_scene.h"
 #include "support/trees.h"
 #include "worlds/run_case.h"
 #include "worlds/spec.h"
