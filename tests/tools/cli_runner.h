@@ -24,7 +24,7 @@ struct Outcome {
     std::string err;
 };
 
-inline Outcome run(std::vector<std::string> arguments)
+inline Outcome run(std::vector<std::string> arguments, Watcher watcher = Watcher::none)
 {
     arguments.insert(arguments.begin(), "occlude");
     std::vector<const char*> argv;
@@ -33,7 +33,7 @@ inline Outcome run(std::vector<std::string> arguments)
     }
     std::ostringstream out;
     std::ostringstream err;
-    const int code = run_program(static_cast<int>(argv.size()), argv.data(), {out, err});
+    const int code = run_program(static_cast<int>(argv.size()), argv.data(), {out, err, watcher});
     return {code, out.str(), err.str()};
 }
 
