@@ -1,10 +1,9 @@
-// CpuFastDevice keeps the contract of devices, and culls exactly what may be culled while another
-// device draws.
+// CpuFastDevice culls exactly what may be culled while another device draws.
+#include "cpu_fast/box_occluders.h"
 #include "support/box_scene.h"
 
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/backends/cpu_fast/cpu_fast_device.h>
-#include <occlude/conformance/conformance.h>
 #include <occlude/core/rng.h>
 #include <occlude/cull/registry.h>
 #include <occlude/hierarchy/builders/bvh_builder.h>
@@ -20,74 +19,9 @@
 namespace occlude {
 namespace {
 
-OccluderMesh box_mesh(const Aabb& box)
-{
-    std::vector<glm::vec3> corners;
-    for (int i = 0; i < 8; ++i) {
-        corners.emplace_back((i & 1) != 0 ? box.max.x : box.min.x,
-                             (i & 2) != 0 ? box.max.y : box.min.y,
-                             (i & 4) != 0 ? box.max.z : box.min.z);
-    }
-    const std::vector<uint16_t> indices{0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
-                                        2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
-    return OccluderMesh::prepare(PositionStream(corners), indices);
-}
-
-class BoxOccluders final : public CpuFastScene {
-public:
-    void set(std::span<const Aabb> boxes)
-    {
-        meshes_.clear();
-        for (const Aabb& box : boxes) {
-            meshes_.push_back(box_mesh(box));
-        }
-    }
-    CpuFastItem item(ItemId item) const override
-    {
-        return item.value < meshes_.size() ? CpuFastItem{&meshes_[item.value]} : CpuFastItem{};
-    }
-
-private:
-    std::vector<OccluderMesh> meshes_;
-};
-
-class CpuFastHost final : public conformance::Host {
-public:
-    CpuFastHost(ClipConvention convention, int cell_px)
-        : convention_(convention)
-        , device_(
-              nullptr, scene_,
-              {.buffer = {.cell_px = cell_px}, .min_px_per_triangle = 0.0f, .max_outstanding = 200})
-    {
-    }
-    QueryDevice& device() override { return device_; }
-    void set_items(std::span<const Aabb> boxes) override { scene_.set(boxes); }
-    ClipConvention convention() const override { return convention_; }
-
-private:
-    ClipConvention convention_;
-    BoxOccluders scene_;
-    CpuFastDevice device_;
-};
-
-TEST(CpuFastDevice, KeepsTheContractInEveryConventionAndResolution)
-{
-    for (const DepthRange range : {DepthRange::minus_one_to_one, DepthRange::zero_to_one}) {
-        for (const DepthOrder order : {DepthOrder::near_is_small, DepthOrder::near_is_large}) {
-            for (const int cell_px : {1, 2}) {
-                CpuFastHost host({range, order}, cell_px);
-                const conformance::Report report =
-                    conformance::check_device(host, {.worlds = 2, .depth_may_be_farther = true});
-                EXPECT_TRUE(report.passed()) << to_string(report);
-                EXPECT_GT(report.hidden, 5u);
-            }
-        }
-    }
-}
-
 struct Walk {
     std::vector<ItemBounds> bounds;
-    BoxOccluders occluders;
+    test::BoxOccluders occluders;
     Hierarchy hierarchy;
 
     explicit Walk(uint64_t seed, size_t count)
@@ -156,7 +90,7 @@ TEST(CpuFastDevice, EveryExactAlgorithmShowsThePixelsOfAllItemsAndCulls)
 
 TEST(CpuFastDevice, ABudgetKeepsTheOccludersThatHideMostPerTriangle)
 {
-    BoxOccluders scene;
+    test::BoxOccluders scene;
     const Aabb wall{{-3.0f, -3.0f, -6.0f}, {3.0f, 3.0f, -5.0f}};
     const Aabb pebble{{-0.2f, -0.2f, -4.0f}, {0.2f, 0.2f, -3.5f}};
     scene.set(std::vector{pebble, wall});

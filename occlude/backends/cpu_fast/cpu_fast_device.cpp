@@ -3,6 +3,8 @@
 #include <occlude/core/assert.h>
 
 #include <algorithm>
+#include <bit>
+#include <functional>
 #include <limits>
 
 namespace occlude {
@@ -23,6 +25,11 @@ CpuFastDevice::CpuFastDevice(QueryDevice* renderer, const CpuFastScene& scene,
                       .us_per_test = 0.05f,
                       .us_per_box = 0.1f,
                       .exact_counts = false}};
+    caps_.depth_reads = {{.tile_px = 1, .us_per_read = 30.0f, .us_per_value = 0.0003f}};
+    if (const int cell = buffer_.cell_px(); cell > 1 && std::has_single_bit(unsigned(cell))) {
+        caps_.depth_reads.push_back(
+            {.tile_px = cell, .us_per_read = 30.0f, .us_per_value = 0.0003f});
+    }
     if (renderer_ != nullptr) {
         caps_.us_per_triangle = renderer_->caps().us_per_triangle;
         caps_.us_per_item = renderer_->caps().us_per_item;
@@ -164,6 +171,17 @@ bool CpuFastDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
     rasterize_waiting();
     return buffer_.read_depth(rect, out);
+}
+
+bool CpuFastDevice::read_depth_tiles(int tile_px, std::span<float> out)
+{
+    if (caps_.find_depth_read(tile_px) == nullptr || tile_px == 1 ||
+        buffer_.depth().size() != out.size()) {
+        return false;
+    }
+    rasterize_waiting();
+    std::ranges::copy(buffer_.depth(), out.begin());
+    return true;
 }
 
 void CpuFastDevice::end_frame()

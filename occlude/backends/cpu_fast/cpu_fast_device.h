@@ -62,6 +62,8 @@ public:
     Answer poll(Ticket ticket) override { return wait(ticket); }
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
+    /// Tiles of cell_px pixels, where that is a power of two: they are the cells themselves.
+    bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
     /// The occluders of the frame so far; those that wait for a test are not in it.
