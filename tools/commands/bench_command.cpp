@@ -122,6 +122,7 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
             return verified.error();
         }
         take_verdicts(document.runs, *verified);
+        document.coincident = coincident_objects(**session, document.runs);
     }
     if (!options.html.empty()) {
         if (const auto pictured = add_pictures(**session, *contenders, document); !pictured) {

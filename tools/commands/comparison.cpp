@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <ostream>
+#include <ranges>
 
 namespace occlude::tools {
 
@@ -112,6 +114,69 @@ void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out)
     }
 }
 
+static std::string object_name(const SceneModel& model, uint32_t instance)
+{
+    const std::string& name = model.instances[instance].name;
+    return name.empty() ? fmt::format("object {}", instance) : name;
+}
+
+std::vector<CoincidentObjects> coincident_objects(const Session& session,
+                                                  std::span<const AlgorithmRun> runs)
+{
+    constexpr size_t kMostPairs = 10;
+    using Pair = std::pair<uint32_t, uint32_t>; // instances
+    const std::vector<SceneModel::Item>& items = session.scene().items;
+    std::map<Pair, uint64_t> most;
+    for (const AlgorithmRun& run : runs) {
+        for (const FrameFigures& frame : run.frames) {
+            std::map<Pair, uint64_t> pixels_of;
+            for (const CoincidentItems& pair :
+                 frame.verdict ? frame.verdict->coincident : std::vector<CoincidentItems>{}) {
+                if (pair.first.value < items.size() && pair.last.value < items.size()) {
+                    const uint32_t a = items[pair.first.value].instance;
+                    const uint32_t b = items[pair.last.value].instance;
+                    pixels_of[{std::min(a, b), std::max(a, b)}] += pair.pixels;
+                }
+            }
+            for (const auto& [pair, pixels] : pixels_of) {
+                most[pair] = std::max(most[pair], pixels);
+            }
+        }
+    }
+    std::vector<CoincidentObjects> objects;
+    for (const auto& [pair, pixels] : most) {
+        objects.push_back({object_name(session.model(), pair.first),
+                           object_name(session.model(), pair.second), pixels});
+    }
+    std::ranges::stable_sort(objects, std::greater{}, &CoincidentObjects::pixels);
+    objects.resize(std::min(objects.size(), kMostPairs));
+    return objects;
+}
+
+static std::string coincidence_text(const BenchDocument& document, uint64_t tied)
+{
+    constexpr size_t kNamed = 3;
+    std::string text = fmt::format(
+        "Coincident surfaces: {} pixels show one of two surfaces at the same depth, ", tied);
+    if (!document.coincident.empty()) {
+        text += "of ";
+        for (size_t i = 0; i < std::min(kNamed, document.coincident.size()); ++i) {
+            const CoincidentObjects& pair = document.coincident[i];
+            text += pair.first == pair.second
+                        ? fmt::format("{}'{}' and itself ({} pixels of a frame)", i > 0 ? ", " : "",
+                                      pair.first, pair.pixels)
+                        : fmt::format("{}'{}' and '{}' ({} pixels of a frame)", i > 0 ? ", " : "",
+                                      pair.first, pair.second, pair.pixels);
+        }
+        text += document.coincident.size() > kNamed ? " and others, " : ", ";
+    }
+    return text +
+           "and which one depends on the order of draws. Nothing was culled wrongly there, but "
+           "culling changes that order: such pixels may flicker. Move one of the surfaces by a "
+           "small distance or remove it, or draw depth first and shade afterwards in a fixed "
+           "order.\n\n";
+}
+
 static uint64_t most_tied_pixels(const BenchDocument& document)
 {
     uint64_t most = 0;
@@ -145,12 +210,7 @@ int judge_evidence(const BenchDocument& document, bool must_hide, bool strict, s
         code = must_hide ? kNothingProven : kDone;
     }
     if (const uint64_t tied = most_tied_pixels(document); tied > 0) {
-        out << fmt::format(
-            "Coincident surfaces: {} pixels show one of two surfaces at the same depth, and which "
-            "one depends on the order of draws, with and without culling. Nothing was culled "
-            "wrongly there, but such pixels may flicker. Move one of the surfaces by a small "
-            "distance, or remove it.\n\n",
-            tied);
+        out << coincidence_text(document, tied);
         code = strict ? worse(code, kDiffers) : code;
     }
     return code;

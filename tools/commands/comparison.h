@@ -32,6 +32,11 @@ private:
 BenchDocument describe(Session& session, const CompareOptions& options, const std::string& path,
                        size_t frames);
 
+/// Which objects have surfaces at exactly the same depth, as tied pixels of the runs show, most
+/// pixels first; the ten largest.
+std::vector<CoincidentObjects> coincident_objects(const Session& session,
+                                                  std::span<const AlgorithmRun> runs);
+
 /// Prints what differed, if anything did.
 void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out);
 

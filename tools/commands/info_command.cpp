@@ -1,26 +1,22 @@
 #include "commands/commands.h"
 #include "commands/open_session.h"
-#include "measure/statistics.h"
+#include "files/json.h"
+#include "files/output_file.h"
+#include "model/scene_advice.h"
 #include "report/table.h"
+#include "session/prospects.h"
 #include "session/session.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <ostream>
 #include <set>
 
 namespace occlude::tools {
 
 namespace {
-
-// What the frames of a path show, summed over them.
-struct Occlusion {
-    uint64_t items = 0; ///< in the frustum
-    uint64_t owners = 0;
-    uint64_t triangles = 0;
-    uint64_t owner_triangles = 0;
-};
 
 struct TreeShape {
     size_t depth = 0; ///< nodes from the root to the deepest leaf, both included
@@ -123,71 +119,117 @@ std::string contents_text(Session& session)
     return text + load_summary(model);
 }
 
-Occlusion sample_occlusion(Session& session, std::span<const View> views, Progress& progress)
-{
-    Occlusion sum;
-    const Stage stage = session.stage();
-    for (size_t frame = 0; frame < views.size(); ++frame) {
-        set_frame(stage, frame);
-        const std::vector<ItemId> items = items_in_frustum(views[frame], stage.item_bounds);
-        const std::vector<ItemId> owners =
-            owners_of_pixels(stage.renderer.render_ids(views[frame], items));
-        sum.items += items.size();
-        sum.owners += owners.size();
-        for (const ItemId item : items) {
-            sum.triangles += stage.item_bounds[item.value].triangles;
-        }
-        for (const ItemId item : owners) {
-            sum.owner_triangles += stage.item_bounds[item.value].triangles;
-        }
-        progress.show(static_cast<double>(frame + 1) / static_cast<double>(views.size()));
-    }
-    return sum;
-}
-
 double percent(uint64_t part, uint64_t whole)
 {
     return 100.0 * static_cast<double>(part) / static_cast<double>(std::max<uint64_t>(whole, 1));
 }
 
-std::string recommendation(double best, double triangles_per_frame)
+std::string recommendation(Pays pays)
 {
-    // Below this a whole frame costs less than the tests that would make it cheaper.
-    constexpr double kSmallFrame = 50000.0;
-    constexpr double kWorthIt = 2.0;
-    constexpr double kMaybe = 1.25;
-    if (triangles_per_frame < kSmallFrame) {
-        return "Culling is unlikely to pay: frames are so small that tests would cost about as "
-               "much as drawing.";
-    }
-    if (best >= kWorthIt) {
+    switch (pays) {
+    case Pays::yes:
         return "Culling is likely to pay: most of what is in the frustum is hidden. Measure it "
                "with 'occlude bench'.";
-    }
-    if (best >= kMaybe) {
+    case Pays::perhaps:
         return "Culling may pay a little; measure it with 'occlude bench' before relying on it.";
+    case Pays::small:
+        return "Culling is unlikely to pay: frames are so small that tests would cost about as "
+               "much as drawing.";
+    default:
+        return "Culling is unlikely to pay on this path: nearly everything in the frustum is seen. "
+               "Smaller items (--item-triangles) or another path may show otherwise.";
     }
-    return "Culling is unlikely to pay on this path: nearly everything in the frustum is seen. "
-           "Smaller items (--item-triangles) or another path may show otherwise.";
 }
 
-std::string occlusion_text(const Occlusion& sum, const InfoOptions& options, size_t frames)
+std::string occlusion_text(const Occlusion& sum, const InfoOptions& options)
 {
-    const double best = static_cast<double>(sum.triangles) /
-                        static_cast<double>(std::max<uint64_t>(sum.owner_triangles, 1));
-    const double per_frame = static_cast<double>(sum.triangles) / static_cast<double>(frames);
     if (sum.owner_triangles == 0) {
         return fmt::format("\npath {}, {} frames: nothing of the scene is in view; choose another "
                            "--path\n",
-                           options.stage.path, frames);
+                           options.stage.path, sum.frames);
     }
     return fmt::format("\npath {}, {} frames at {}x{}: {:.1f}% of the items in the frustum own a "
                        "pixel,\nand {:.1f}% of the triangles are theirs. "
                        "Where triangles are what costs, no culling can be\nmore than {:.1f} times "
                        "faster than frustum culling here.\n{}\n",
-                       options.stage.path, frames, options.stage.size.x, options.stage.size.y,
+                       options.stage.path, sum.frames, options.stage.size.x, options.stage.size.y,
                        percent(sum.owners, sum.items), percent(sum.owner_triangles, sum.triangles),
-                       best, recommendation(best, per_frame));
+                       sum.limit(), recommendation(judge(sum)));
+}
+
+std::string prospects_text(std::span<const Prospect> prospects)
+{
+    std::string text = "\nDoes culling pay, per frame of a camera that\n";
+    for (const Prospect& prospect : prospects) {
+        text += fmt::format("  {:<34} {:<16} {}\n", prospect.what, to_string(prospect.pays),
+                            prospect.sentence());
+    }
+    return text + conclusion(prospects) + "\n";
+}
+
+std::string advice_text(std::span<const Advice> advice)
+{
+    if (advice.empty()) {
+        return "\nNothing in the scene's objects stands in the way of culling.\n";
+    }
+    std::string text = "\nWhat to change in the scene\n";
+    for (const Advice& one : advice) {
+        text += fmt::format("  {}\n", one.sentence);
+    }
+    return text;
+}
+
+Json occlusion_json(const Occlusion& sum)
+{
+    return Json::object({{"frames", sum.frames},
+                         {"items", sum.items},
+                         {"items_seen", sum.owners},
+                         {"triangles", sum.triangles},
+                         {"triangles_seen", sum.owner_triangles},
+                         {"limit", sum.limit()}});
+}
+
+std::string info_json(Session& session, const InfoOptions& options, const Occlusion& path,
+                      std::span<const Prospect> prospects, std::span<const Advice> advice)
+{
+    const SceneModel& model = session.model();
+    Json cameras = Json::array();
+    for (const Prospect& prospect : prospects) {
+        Json camera = Json::object({{"kind", prospect.kind},
+                                    {"does", prospect.what},
+                                    {"pays", to_string(prospect.pays)},
+                                    {"sentence", prospect.sentence()}});
+        camera.update(occlusion_json(prospect.seen));
+        cameras.push_back(std::move(camera));
+    }
+    Json changes = Json::array();
+    for (const Advice& one : advice) {
+        changes.push_back(Json::object({{"kind", one.kind},
+                                        {"sentence", one.sentence},
+                                        {"count", one.count},
+                                        {"objects", Json::list(one.objects)}}));
+    }
+    Json on_path = Json::object({{"name", options.stage.path}, {"pays", to_string(judge(path))}});
+    on_path.update(occlusion_json(path));
+    const Json document = Json::object(
+        {{"version", 1},
+         {"scene",
+          Json::object({{"name", model.name},
+                        {"objects", model.instances.size()},
+                        {"items", session.scene().items.size()},
+                        {"triangles", drawn_triangles(model)},
+                        {"file_triangles", model.file_triangles},
+                        {"units_per_metre", model.unit},
+                        {"up", Json::array({model.up.x, model.up.y, model.up.z})},
+                        {"origin", Json::array({model.origin.x, model.origin.y, model.origin.z})},
+                        {"notes", Json::list(model.load_notes)},
+                        {"left_out", Json::list(model.load_losses)}})},
+         {"size", Json::array({options.stage.size.x, options.stage.size.y})},
+         {"path", std::move(on_path)},
+         {"cameras", std::move(cameras)},
+         {"conclusion", conclusion(prospects)},
+         {"changes", std::move(changes)}});
+    return document.dump(1) + "\n";
 }
 
 } // namespace
@@ -196,6 +238,14 @@ Result<int> info_command(const InfoOptions& options, const Streams& streams)
 {
     if (const auto checked = check_one_hierarchy(options.stage); !checked) {
         return checked.error();
+    }
+    std::optional<OutputFile> json;
+    if (!options.json.empty()) {
+        auto file = OutputFile::open(options.json);
+        if (!file) {
+            return file.error();
+        }
+        json.emplace(std::move(*file));
     }
     const auto session = open_session(options.scene, options.stage, streams);
     if (!session) {
@@ -206,9 +256,22 @@ Result<int> info_command(const InfoOptions& options, const Streams& streams)
         return views.error();
     }
     streams.out << contents_text(**session) << std::flush;
+    constexpr double kPathShare = 0.25; // of the frames that are drawn
     Progress progress{streams.err, streams.watcher, "looking at " + (*session)->model().name};
-    const Occlusion sum = sample_occlusion(**session, *views, progress);
-    streams.out << occlusion_text(sum, options, views->size());
+    const Occlusion on_path = sample_occlusion(
+        **session, *views, [&](double share) { progress.show(kPathShare * share); });
+    streams.out << occlusion_text(on_path, options) << std::flush;
+    const std::vector<Prospect> cameras =
+        prospects(**session, options.stage.frames,
+                  [&](double share) { progress.show(kPathShare + (1.0 - kPathShare) * share); });
+    const std::vector<Advice> advice = advise((*session)->model(), options.stage.item_triangles);
+    streams.out << prospects_text(cameras) << advice_text(advice);
+    if (json) {
+        const auto written = json->commit(info_json(**session, options, on_path, cameras, advice));
+        if (!written) {
+            return written.error();
+        }
+    }
     return kDone;
 }
 

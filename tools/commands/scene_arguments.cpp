@@ -143,6 +143,11 @@ void add_info(CommandLine& line)
     arguments->raw.stage.frames = kSampledFrames;
     add_stage_arguments(command, arguments->raw, false);
     add_frames_argument(command, arguments->raw.stage);
+    command.add({.name = "--json",
+                 .target = &arguments->info.json,
+                 .help = "Write all of it as JSON",
+                 .type = "FILE",
+                 .is_file = true});
 }
 
 } // namespace

@@ -59,6 +59,7 @@ Result<BenchDocument> verify_path(Session& session, const CompareOptions& option
         return runs.error();
     }
     document.runs = std::move(*runs);
+    document.coincident = coincident_objects(session, document.runs);
     return document;
 }
 

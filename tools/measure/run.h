@@ -30,6 +30,14 @@ struct MissingItem {
     Decision decision = Decision::undecided; ///< of that node
 };
 
+/// Two items that have surfaces at exactly the same depth in some pixels: what is drawn first
+/// stays.
+struct CoincidentItems {
+    ItemId first;        ///< seen if items are drawn in ascending order
+    ItemId last;         ///< seen if they are drawn in descending order
+    uint64_t pixels = 0; ///< tied pixels that show one or the other
+};
+
 /// How the image of one culled frame compares with the reference: colour and depth, bit by bit.
 struct Verdict {
     uint64_t differing_pixels = 0;
@@ -38,6 +46,7 @@ struct Verdict {
     uint64_t tied_pixels = 0;
     glm::ivec2 first_pixel{-1};            ///< the first differing one; row 0 is the bottom row
     std::vector<MissingItem> missing = {}; ///< most pixels first
+    std::vector<CoincidentItems> coincident = {}; ///< in tied pixels; most pixels first
 };
 
 struct FrameFigures {

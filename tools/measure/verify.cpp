@@ -8,6 +8,7 @@
 #include <bit>
 #include <functional>
 #include <map>
+#include <ranges>
 #include <set>
 #include <unordered_map>
 
@@ -92,6 +93,31 @@ std::vector<MissingItem> find_missing(const Stage& stage, const View& view, cons
         missing.begin(), missing.end(),
         [](const MissingItem& a, const MissingItem& b) { return a.pixels > b.pixels; });
     return missing;
+}
+
+// Whose surfaces lie at the same depth in tied pixels: the items that show if those drawn are drawn
+// in one order and in the other. Kept are the pairs of most pixels.
+std::vector<CoincidentItems> find_coincident(const Stage& stage, const View& view, const Mask& tied,
+                                             std::span<const ItemId> drawn_ascending)
+{
+    constexpr size_t kMaxPairs = 16;
+    const std::vector<ItemId> descending{drawn_ascending.rbegin(), drawn_ascending.rend()};
+    const std::vector<uint32_t> first = stage.renderer.render_ids(view, drawn_ascending);
+    const std::vector<uint32_t> last = stage.renderer.render_ids(view, descending);
+    std::map<std::pair<uint32_t, uint32_t>, std::set<size_t>> pixels_of;
+    for (size_t i = 0; i < (tied.empty() ? 0 : first.size()); ++i) {
+        const size_t pixel = i % tied.size(); // one sample of every pixel after the other
+        if (tied[pixel] != 0 && first[i] != last[i]) {
+            pixels_of[{first[i], last[i]}].insert(pixel);
+        }
+    }
+    std::vector<CoincidentItems> pairs;
+    for (const auto& [ids, pixels] : pixels_of) {
+        pairs.push_back({ItemId{ids.first}, ItemId{ids.second}, pixels.size()});
+    }
+    std::ranges::stable_sort(pairs, std::greater{}, &CoincidentItems::pixels);
+    pairs.resize(std::min(pairs.size(), kMaxPairs));
+    return pairs;
 }
 
 glm::ivec2 first_set(const Mask& mask, glm::ivec2 size)
@@ -211,8 +237,13 @@ Verdict judge_frame(const Stage& stage, const View& view, const Capture& referen
 
     Verdict verdict;
     verdict.differing_pixels = count_set(differing);
-    for (size_t i = 0; i < unlike_reference.size(); ++i) {
-        verdict.tied_pixels += unlike_reference[i] != 0 && differing[i] == 0 ? 1 : 0;
+    Mask tied = unlike_reference;
+    for (size_t i = 0; i < std::min(tied.size(), differing.size()); ++i) {
+        tied[i] = tied[i] != 0 && differing[i] == 0 ? 1 : 0;
+    }
+    verdict.tied_pixels = count_set(tied);
+    if (verdict.tied_pixels > 0) {
+        verdict.coincident = find_coincident(stage, view, tied, ascending);
     }
     if (verdict.differing_pixels > 0) {
         verdict.first_pixel = first_set(differing, reference.color.size);

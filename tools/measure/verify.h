@@ -6,7 +6,9 @@
 // order of draws, though nothing was culled wrongly. So the frame's own items are drawn again
 // without tests, twice: in the order the culler drew them, which must give the culled frame (or a
 // test left a trace in the image), and in ascending order, which must give the reference (or an
-// item is missing). Pixels that differ in either are differing; the rest are tied.
+// item is missing). Pixels that differ in either are differing; the rest are tied. A tied pixel is
+// no fault of culling, but a user sees it flicker: the verdict names the items whose surfaces
+// coincide.
 #pragma once
 
 #include "measure/run.h"

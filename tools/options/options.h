@@ -110,6 +110,7 @@ struct ViewOptions {
 struct InfoOptions {
     StageOptions stage;
     std::string scene;
+    std::string json; ///< a file name; empty: not asked for
 };
 
 struct GenerateOptions {

@@ -27,6 +27,13 @@ struct FramePicture {
     std::string png; ///< the bytes of a PNG file
 };
 
+/// Two objects with surfaces at exactly the same depth.
+struct CoincidentObjects {
+    std::string first; ///< names; equal if two items of one object coincide
+    std::string second;
+    uint64_t pixels = 0; ///< tied pixels in the frame that has most of them
+};
+
 struct BenchDocument {
     std::string scene;
     uint64_t objects = 0;
@@ -53,7 +60,8 @@ struct BenchDocument {
     std::string entry; ///< of a suite; empty: of none
     std::string date;  ///< of a suite's run, YYYY-MM-DD
     std::vector<AlgorithmRun> runs;
-    std::vector<FramePicture> pictures = {}; ///< of the worst frames; only in HTML
+    std::vector<FramePicture> pictures = {};        ///< of the worst frames; only in HTML
+    std::vector<CoincidentObjects> coincident = {}; ///< most pixels first
 
     /// True if answers come at once, so that what is decided depends on nothing but the frames.
     bool deterministic() const { return device == "cpu"; }

@@ -128,6 +128,16 @@ Json evidence_json(const BenchDocument& document)
                          {"hiding_frames", evidence.hiding_frames}});
 }
 
+Json coincident_json(const BenchDocument& document)
+{
+    Json list = Json::array();
+    for (const CoincidentObjects& pair : document.coincident) {
+        list.push_back(Json::object(
+            {{"objects", Json::array({pair.first, pair.second})}, {"pixels", pair.pixels}}));
+    }
+    return list;
+}
+
 Json document_json(const BenchDocument& document, Detail detail)
 {
     Json runs = Json::array();
@@ -166,6 +176,7 @@ Json document_json(const BenchDocument& document, Detail detail)
                          {"repeat", document.repeat},
                          {"sample_every", document.sample_every},
                          {"evidence", evidence_json(document)},
+                         {"coincident", coincident_json(document)},
                          {"runs", std::move(runs)}});
 }
 

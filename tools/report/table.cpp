@@ -74,7 +74,8 @@ std::vector<std::string> verify_row(const AlgorithmRun& run)
             grouped(s.tied_pixels),
             figure(s.per_frame(s.total.queries), 1),
             rounded_count(s.per_frame(s.total.triangles_drawn)),
-            equal ? "equal" : (exact ? "DIFFERS" : "differs, as it may")};
+            equal ? (s.tied_pixels == 0 ? "equal" : "equal but for ties")
+                  : (exact ? "DIFFERS" : "differs, as it may")};
 }
 
 } // namespace

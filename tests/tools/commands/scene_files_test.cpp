@@ -1,4 +1,5 @@
 // What the commands say about scene files, and about frames that prove nothing.
+#include "support/source_dir.h"
 #include "tools/cli_runner.h"
 
 #include <gtest/gtest.h>
@@ -25,6 +26,15 @@ TEST(Cli, FramesThatShowNothingProveNothing)
     }
 }
 
+TEST(Cli, APathThatLooksPastTheSceneProvesNothing)
+{
+    const std::string data = source_dir() + "/tests/data/scenes/";
+    const Outcome outcome = run(small({"verify", data + "f07_invisible_wall.glb", "--path",
+                                       data + "near_huge.json", "--algorithms", "chc"}));
+    EXPECT_EQ(outcome.code, 3) << outcome.out << outcome.err;
+    EXPECT_NE(outcome.out.find("nothing was in view"), std::string::npos) << outcome.out;
+}
+
 TEST(Cli, NothingHiddenIsSaidAndMayBeExpected)
 {
     const std::string quad =
@@ -42,6 +52,29 @@ TEST(Cli, NothingHiddenIsSaidAndMayBeExpected)
         run(small({"bench", quad, "--path", "orbit", "--algorithms", "chc", "--frames", "4"}));
     EXPECT_EQ(bench.code, 0) << "a measurement all the same";
     EXPECT_NE(bench.out.find("Nothing was hidden"), std::string::npos) << bench.out;
+}
+
+/// A camera that moves toward two coplanar walls of different colours, and turns so that their
+/// order by distance changes.
+TEST(Cli, CoincidentSurfacesAreNamedInVerifyAndFailOnlyIfStrict)
+{
+    const std::string data = source_dir() + "/tests/data/scenes/";
+    const std::string json = (fs::path{write_file("any", "")}.parent_path() / "tied.json").string();
+    std::vector<std::string> verify = small(
+        {"verify", data + "f21_coplanar.glb", "--path", data + "p21_move.json", "--algorithms",
+         "exact", "--frames", "12", "--nothing-hidden-is-fine", "--json", json});
+    const Outcome outcome = run(verify);
+    EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    EXPECT_NE(outcome.out.find("equal but for ties"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("Coincident surfaces: "), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("shade afterwards in a fixed order"), std::string::npos);
+    const auto document = nlohmann::json::parse(std::ifstream{json});
+    ASSERT_FALSE(document["coincident"].empty());
+    const std::string name = document["coincident"][0]["objects"][0];
+    EXPECT_NE(outcome.out.find("'" + name + "'"), std::string::npos) << outcome.out;
+    EXPECT_GT(document["coincident"][0]["pixels"], 0);
+    verify.emplace_back("--strict");
+    EXPECT_EQ(run(verify).code, 1);
 }
 
 TEST(Cli, WhatIsLeftOutOfAFileIsSaidAndStrictRefusesIt)

@@ -1,10 +1,14 @@
 // The same town wherever it lies and however large its unit is: the same picture, the same items.
 #include "generate/scene_source.h"
 #include "measure/stage.h"
+#include "render/gl_renderer.h"
 #include "render/image.h"
 #include "render/scene_renderer.h"
 #include "tools/temp_folder.h"
 #include "walk/paths.h"
+
+#include <occlude/cull/stop_and_wait.h>
+#include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <gtest/gtest.h>
 
@@ -64,15 +68,19 @@ std::string box_bin()
     return bytes;
 }
 
+enum class Device { cpu, gl };
+
 struct Shot {
     Image image;
+    Image culled;                           ///< drawn by stop_and_wait
+    std::set<uint32_t> hidden;              ///< items in the frustum that it did not draw
     std::map<uint32_t, uint64_t> pixels_of; ///< by item
     uint64_t items = 0;                     ///< in the frustum
 };
 
 /// Looks along a street of the town, at eye height.
 Shot look(const TempFolder& folder, const glm::dvec3& offset, double scale,
-          const SceneOptions& options = {})
+          const SceneOptions& options = {}, Device device = Device::cpu)
 {
     folder.write("box.bin", box_bin());
     const auto model = load_scene(folder.write("town.gltf", town_gltf(offset, scale)), options);
@@ -87,7 +95,8 @@ Shot look(const TempFolder& folder, const glm::dvec3& offset, double scale,
     choose_depth_range(*cameras, *model);
     const View view = make_view(cameras->front(), kSize);
     const CullScene cull = make_cull_scene(*model);
-    auto renderer = make_cpu_renderer(*model, cull.items, kSize);
+    auto renderer = device == Device::gl ? make_gl_renderer(*model, cull.items, kSize, 1)
+                                         : make_cpu_renderer(*model, cull.items, kSize);
     EXPECT_TRUE(renderer);
     const std::vector<ItemId> items = items_in_frustum(view, cull.scene.item_bounds());
     Shot shot;
@@ -97,6 +106,16 @@ Shot look(const TempFolder& folder, const glm::dvec3& offset, double scale,
     }
     (*renderer)->render(view, items);
     shot.image = (*renderer)->capture().color;
+    const Hierarchy tree = build_bvh(cull.scene.item_bounds(), {.leaf_triangles = 0});
+    StopAndWait culler(tree);
+    culler.cull(view, (*renderer)->device());
+    shot.culled = (*renderer)->capture().color;
+    for (const ItemId item : items) {
+        shot.hidden.insert(item.value);
+    }
+    for (const ItemId item : culler.drawn_items()) {
+        shot.hidden.erase(item.value);
+    }
     return shot;
 }
 
@@ -117,25 +136,36 @@ void expect_same_picture(const Shot& shot, const Shot& reference)
     const auto pixels = static_cast<uint64_t>(kSize.x * kSize.y);
     EXPECT_LT(count_differences(shot.image, reference.image), pixels / 200) << "edges may round";
     EXPECT_EQ(clearly_visible(shot), clearly_visible(reference));
+    EXPECT_EQ(shot.hidden, reference.hidden);
+    EXPECT_EQ(count_differences(shot.culled, shot.image), 0u) << "culling changed the picture";
 }
 
-TEST(FarTown, LooksTheSameAtAnyOffset)
+/// A camera, a light and shades of more than the background.
+void expect_evidence(const Shot& near)
 {
-    const TempFolder folder;
-    const Shot near = look(folder, glm::dvec3{0.0}, 1.0);
     ASSERT_GT(near.items, 20u);
     ASSERT_LT(clearly_visible(near).size(), near.items) << "something must be hidden";
     ASSERT_GT(clearly_visible(near).size(), 4u);
+    ASSERT_GT(near.hidden.size(), 4u);
+}
+
+class FarTown : public testing::TestWithParam<Device> {};
+
+TEST_P(FarTown, LooksTheSameAtAnyOffset)
+{
+    const TempFolder folder;
+    const Shot near = look(folder, glm::dvec3{0.0}, 1.0, {}, GetParam());
+    expect_evidence(near);
     for (const double away : {1e5, 1e6, 1e7}) {
         for (const glm::dvec3 axis : {glm::dvec3{1, 0, 0}, glm::dvec3{0, 1, 0}, glm::dvec3{0, 0, 1},
                                       glm::dvec3{1, -1, 1}}) {
             SCOPED_TRACE(testing::Message() << away << " along " << axis.x << axis.y << axis.z);
-            expect_same_picture(look(folder, away * axis, 1.0), near);
+            expect_same_picture(look(folder, away * axis, 1.0, {}, GetParam()), near);
         }
     }
 }
 
-TEST(FarTown, IsTheSameToTheBitIfItIsMovedByItsOffset)
+TEST(FarTownMoved, IsTheSameToTheBitIfItIsMovedByItsOffset)
 {
     const TempFolder folder;
     const Shot near = look(folder, glm::dvec3{0.0}, 1.0);
@@ -145,15 +175,20 @@ TEST(FarTown, IsTheSameToTheBitIfItIsMovedByItsOffset)
     EXPECT_EQ(far.pixels_of, near.pixels_of);
 }
 
-TEST(FarTown, LooksTheSameAtAnyScale)
+TEST_P(FarTown, LooksTheSameAtAnyScale)
 {
     const TempFolder folder;
-    const Shot near = look(folder, glm::dvec3{0.0}, 1.0);
+    const Shot near = look(folder, glm::dvec3{0.0}, 1.0, {}, GetParam());
     for (const double scale : {1e-6, 1e-3, 1e3, 1e6, 1e9}) {
         SCOPED_TRACE(scale);
-        expect_same_picture(look(folder, glm::dvec3{0.0}, scale), near);
+        expect_same_picture(look(folder, glm::dvec3{0.0}, scale, {}, GetParam()), near);
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(On, FarTown, testing::Values(Device::cpu, Device::gl),
+                         [](const auto& device) {
+                             return device.param == Device::gl ? "Gl" : "Cpu";
+                         });
 
 } // namespace
 } // namespace occlude::tools

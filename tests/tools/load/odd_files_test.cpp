@@ -163,6 +163,14 @@ TEST(OddFiles, AFileThatCrashedTheProgramIsReadOrRefusedWithASentence)
     }
 }
 
+TEST(OddFiles, IfcOfVersion4x3IsReadOrNamedAsWhatItIs)
+{
+    const auto model = load_scene(odd_file("f10_ifc4x3.ifc"));
+    ASSERT_TRUE(model) << model.error().message;
+    EXPECT_EQ(drawn_triangles(*model), 480u);
+    EXPECT_EQ(model->instances.size(), 40u);
+}
+
 TEST(OddFiles, TheAxisThatIsUpIsGuessedByGroundAndFloors)
 {
     EXPECT_EQ(load_odd("f33_yup_town.obj").up, glm::vec3(0.0f, 1.0f, 0.0f));

@@ -120,6 +120,10 @@ TEST(JudgeFrame, CoplanarSurfacesInAnotherOrderAreTiedNotDifferent)
     EXPECT_EQ(verdict.differing_pixels, 0u);
     EXPECT_EQ(verdict.tied_pixels, 2u);
     EXPECT_TRUE(verdict.missing.empty());
+    ASSERT_EQ(verdict.coincident.size(), 1u);
+    EXPECT_EQ(verdict.coincident[0].first, kA);
+    EXPECT_EQ(verdict.coincident[0].last, kB);
+    EXPECT_EQ(verdict.coincident[0].pixels, 2u);
 }
 
 TEST(JudgeFrame, ADepthOnlyPassShowsTheLastOfEqualsWhichIsTiedToo)
@@ -264,6 +268,8 @@ TEST(Verify, CoplanarQuadsInAnotherOrderAreTiedWithOpenGl)
     const Verdict tied = judge_frame(stage, view, reference, culled, descending, {});
     EXPECT_EQ(tied.differing_pixels, 0u);
     EXPECT_GT(tied.tied_pixels, 0u);
+    ASSERT_EQ(tied.coincident.size(), 1u);
+    EXPECT_EQ(tied.coincident[0].pixels, tied.tied_pixels);
 }
 
 TEST(Verify, OnlyExactPromisesCount)
