@@ -28,7 +28,7 @@ OWN_OPTION = re.compile(r"\b([a-z_]+)[.:]([a-z_]+)=")
 
 # Names that stand for whatever the reader writes.
 PLACEHOLDER = re.compile(r"\b(my_|x_builder|your[-_])|\bFILE\.|\bNAME\b")
-SOURCE_FOLDERS = ("occlude", "tools", "examples", "tests", "benchmarks")
+SOURCE_FOLDERS = ("adapters", "occlude", "tools", "examples", "tests", "benchmarks")
 # Where the options come from that a page may name: of the program, of ./dev and of the scripts.
 OPTION_SOURCES = ("tools/commands/*.cpp", "tools/viewer/*.cpp", "dev", "scripts/*.py")
 # Options of other programs that pages speak of.

@@ -188,6 +188,20 @@ def check_tools_file(root, name):
     return problems
 
 
+def check_adapter_file(root, name):
+    """Sentences about one file of an adapter, which sees of the library what is installed."""
+    problems = []
+    for number, path in includes_of(root, name):
+        if not path.startswith("occlude/"):
+            continue
+        own = Path(*name.parts[:2]) / path
+        if not (root / path).is_file() and not (root / own).is_file():
+            problems.append(f"{name}:{number}: <{path}> does not exist")
+        elif "detail" in Path(path).parts:
+            problems.append(f"{name}:{number}: adapters see the headers that are installed, not <{path}>")
+    return problems
+
+
 def private(name):
     """True for files that users of the library never include."""
     return name.suffix == ".cpp" or "detail" in name.parts
@@ -234,16 +248,18 @@ def sources_below(root, folder):
 
 
 def check_tree(root):
-    """All violations below occlude/ and tools/, in a fixed order, and the number of files read."""
+    """All violations below occlude/, tools/ and adapters/, in a fixed order, and the number of files read."""
     files = sources_below(root, "occlude")
     tools = sources_below(root, "tools")
+    adapters = sources_below(root, "adapters")
     problems = [problem for name in files for problem in check_file(root, name)]
     problems += [problem for name in tools for problem in check_tools_file(root, name)]
+    problems += [problem for name in adapters for problem in check_adapter_file(root, name)]
     known = {}
     for name in files:
         if not private(name):
             problems += check_reach(root, name, known)
-    return problems, len(files) + len(tools)
+    return problems, len(files) + len(tools) + len(adapters)
 
 
 def main(arguments):

@@ -33,6 +33,8 @@ LAWFUL = {
     "tools/model/scene.h": "#include <occlude/core/view.h>\n",
     "tools/load/loader.cpp": '#include "model/scene.h"\n#include <assimp/scene.h>\n',
     "tools/main.cpp": '#include "load/loader.cpp"\n',
+    "adapters/osg/occlude/osg/culling.h": "#include <occlude/core/view.h>\n#include <osg/Node>\n",
+    "adapters/osg/src/culling.cpp": '#include <occlude/osg/culling.h>\n#include "views.h"\n',
 }
 
 
@@ -55,6 +57,11 @@ class CheckIncludes(unittest.TestCase):
 
     def test_a_lawful_tree_has_no_problem(self):
         self.assertEqual(problems_with({}), [])
+
+    def test_adapters_see_installed_headers_only(self):
+        name = "adapters/osg/src/state.cpp"
+        self.assert_one(name, "#include <occlude/backends/gl/detail/api.h>\n", "that are installed")
+        self.assert_one(name, "#include <occlude/osg/nothing.h>\n", "does not exist")
 
     def test_core_includes_no_other_room(self):
         text = "#include <occlude/hierarchy/hierarchy.h>\n"
