@@ -77,6 +77,14 @@ public:
         return reversed_ ? 1.0 - stored : stored;
     }
 
+    /// (x, y, 1) times w of a point on the screen, counted from `middle`, in pixels.
+    glm::dvec3 from_middle(const glm::dvec3& point, const glm::dvec2& middle) const
+    {
+        const glm::dvec4 clip = clip_from_relative_ * glm::dvec4{point - offset_, 1.0};
+        const glm::dvec2 px = 0.5 * (glm::dvec2{clip} + clip.w) * size_ - middle * clip.w;
+        return {px, clip.w};
+    }
+
     /// At most `length` long: far planes may lie at infinity, and oblique ones behind the horizon.
     std::optional<Ray> ray(glm::dvec2 px, double length) const
     {
@@ -98,6 +106,42 @@ private:
     bool reversed_;
     double low_;
 };
+
+/// True if a triangle reaches to within a snap of the middle of a pixel. Rasterisers move vertices
+/// to a grid of 1/256 pixel, so that one seen edge-on, or thinner than the rays are apart, may show
+/// where no ray meets it. Needs no clipping: its edges are lines through the eye.
+bool within_a_snap(const Unprojection& unprojection, const std::array<glm::dvec3, 3>& triangle,
+                   const glm::dvec2& middle)
+{
+    constexpr double kSnap = 1.0 / 128.0;
+    std::array<glm::dvec3, 3> corners;
+    for (size_t i = 0; i < corners.size(); ++i) {
+        corners[i] = unprojection.from_middle(triangle[i], middle);
+    }
+    bool inside_left = true;
+    bool inside_right = true;
+    for (size_t i = 0; i < corners.size(); ++i) {
+        const glm::dvec3 line = glm::cross(corners[i], corners[(i + 1) % corners.size()]);
+        const double distance = line.z / glm::length(glm::dvec2{line});
+        inside_left = inside_left && !(distance < -kSnap);
+        inside_right = inside_right && !(distance > kSnap);
+    }
+    return inside_left || inside_right;
+}
+
+/// The same of the triangle that a pixel shows.
+bool shows_by_a_snap(const RandomScene& world, const Unprojection& unprojection,
+                     const glm::dvec3& center, const CpuDevice::Owner& owner,
+                     const glm::dvec2& middle)
+{
+    const std::vector<glm::vec3> corners = world.triangles(owner.item);
+    const size_t first = 3 * size_t{owner.triangle};
+    return first + 2 < corners.size() && within_a_snap(unprojection,
+                                                       {glm::dvec3{corners[first]} - center,
+                                                        glm::dvec3{corners[first + 1]} - center,
+                                                        glm::dvec3{corners[first + 2]} - center},
+                                                       middle);
+}
 
 /// One for each thread: making one takes longer than a world.
 RTCDevice device_of_thread()
@@ -191,7 +235,8 @@ struct Rays::Scene {
 };
 
 Rays::Rays(const RandomScene& scene)
-    : scene_(std::make_unique<Scene>())
+    : world_(scene)
+    , scene_(std::make_unique<Scene>())
     , center_(scene.center())
     , length_(8.0 * double{RandomScene::kReach} * double{scene.unit()})
 {
@@ -235,7 +280,12 @@ std::string Rays::disagrees(const View& view, const CpuDevice& picture, uint32_t
         // oblique near planes, where depth varies much over the screen: either may be drawn.
         const auto shown = unprojection.point(middle, double{depth});
         const bool same_place = shown && std::abs(ray->at(*shown) - hit->at) <= kSamePlace;
-        if (!same_place && std::abs(hit->depth01 - double{depth}) > hit->depth_error) {
+        if (same_place || std::abs(hit->depth01 - double{depth}) <= hit->depth_error) {
+            continue;
+        }
+        const bool before_hit = shown && ray->at(*shown) < hit->at;
+        if (!before_hit ||
+            !shows_by_a_snap(world_, unprojection, center_, picture.owner(pixel), middle)) {
             std::ostringstream text;
             text << "pixel " << pixel % width << ", " << pixel / width << ": rays see item "
                  << hit->item << " after " << hit->at << " of their way, at depth " << hit->depth01

@@ -15,7 +15,7 @@ namespace occlude::worlds {
 
 class Rays {
 public:
-    /// Takes the opaque triangles of the scene as they are now.
+    /// Takes the opaque triangles of the scene as they are now; `scene` outlives this.
     explicit Rays(const RandomScene& scene);
     ~Rays();
     Rays(const Rays&) = delete;
@@ -30,6 +30,8 @@ public:
 
 private:
     struct Scene;
+
+    const RandomScene& world_;
     std::unique_ptr<Scene> scene_;
     glm::dvec3 center_{0.0};
     double length_ = 0.0; ///< of a ray that leaves the world
