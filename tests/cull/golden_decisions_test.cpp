@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <thread>
 
 namespace occlude {
@@ -75,11 +76,25 @@ struct Golden {
 
 // One entry per hierarchy and algorithm.
 constexpr Golden kGolden[] = {
-    {"bvh", "frustum", 0x5bd294905829ada},        {"bvh", "stop_and_wait", 0xddc7de1b56686eea},
-    {"bvh", "chc", 0x5cc13c832dd7deec},           {"bvh", "chc_plus_plus", 0x6c6fde316ff23d04},
-    {"bvh", "statistical", 0x79a2300ebabb5551},   {"bsp", "frustum", 0xe8284d18a95994d9},
-    {"bsp", "stop_and_wait", 0x191557e9e90d1152}, {"bsp", "chc", 0x31b625d4ec83d75},
-    {"bsp", "chc_plus_plus", 0x1ae24d9f78befd2a}, {"bsp", "statistical", 0x2ea11108dba3c517},
+    {"bvh", "frustum", 0x5bd294905829ada},
+    {"bvh", "stop_and_wait", 0xddc7de1b56686eea},
+    {"bvh", "chc", 0x5cc13c832dd7deec},
+    {"bvh", "chc_plus_plus", 0x6c6fde316ff23d04},
+    {"bvh", "statistical", 0x79a2300ebabb5551},
+    {"bsp", "frustum", 0xe8284d18a95994d9},
+    {"bsp", "stop_and_wait", 0x191557e9e90d1152},
+    {"bsp", "chc", 0x31b625d4ec83d75},
+    {"bsp", "chc_plus_plus", 0x1ae24d9f78befd2a},
+    {"bsp", "statistical", 0x2ea11108dba3c517},
+    {"bvh", "two_level", 0x8ff645aca175250b},
+    {"bsp", "two_level", 0xe4aa735be75e5c57},
+    {"two_level", "two_level", 0x36a46411508aa847},
+    {"bvh", "uniform_grid", 0x4e560ff2ccc67bd9},
+    {"bvh", "prioritized", 0xe2a652a31c0cd2ab},
+    {"bvh", "batch_and_wait", 0x375287a8e1029e4e},
+    {"grid", "batch_and_wait", 0x42550c2762655a0},
+    {"bvh", "next_frame", 0x72a0cce4c19a9048},
+    {"grid", "next_frame", 0x5f9a3f7991092d76},
 };
 
 TEST(GoldenDecisions, AreTheSameEverywhere)
@@ -100,6 +115,9 @@ struct GoldenByMethod {
 };
 
 constexpr GoldenByMethod kGoldenByMethod[] = {
+    {"bvh", "lazy_grid", "", 0x83951623bb708fd},
+    {"bsp", "lazy_grid", "", 0xc14ab3a42648fd37},
+    {"two_level", "lazy_grid", "", 0x3dd372905c784ae4},
     {"bvh", "two_phase", "", 0xce1ae444ca7bf638},
     {"bvh", "adaptive", "automatic", 0xfecf10789b171eb5},
     {"bvh", "adaptive", "queries", 0x211ab888e844715d},
@@ -138,6 +156,17 @@ TEST(GoldenDecisions, OfTheAlgorithmsThatReadDepthAreTheSameEverywhereByEveryMet
         }
         EXPECT_EQ(decisions_by(golden.algorithm, tree_of(*kind), options), golden.hash)
             << golden.algorithm << " " << golden.method << " on " << golden.hierarchy;
+    }
+}
+
+// A new algorithm without a line here would be free to change.
+TEST(GoldenDecisions, CoverEveryAlgorithm)
+{
+    for (const AlgorithmInfo& info : algorithms()) {
+        const auto is_it = [&](const auto& golden) { return info.name == golden.algorithm; };
+        EXPECT_TRUE(info.needs.visible_set || std::ranges::any_of(kGolden, is_it) ||
+                    std::ranges::any_of(kGoldenByMethod, is_it))
+            << info.name;
     }
 }
 
