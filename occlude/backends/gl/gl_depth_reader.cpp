@@ -191,6 +191,22 @@ bool GlDepthReader::read(const PixelRect& rect, DepthSample sample, std::span<fl
                        out);
 }
 
+static bool is_float(GLenum depth_format)
+{
+    return depth_format == GL_DEPTH_COMPONENT32F || depth_format == GL_DEPTH32F_STENCIL8;
+}
+
+// Shaders and glReadPixels turn the whole numbers of a depth buffer into floats with different
+// rounding, and no tile may be nearer than what is read of its pixels.
+static void round_toward_far(DepthSample sample, std::span<float> depths)
+{
+    constexpr float kRounding = 0x1p-23f;
+    const float toward_far = sample == DepthSample::smallest ? -kRounding : kRounding;
+    for (float& depth : depths) {
+        depth = std::clamp(depth + toward_far, 0.0f, 1.0f);
+    }
+}
+
 bool GlDepthReader::read_tiles(const PixelRect& rect, int tile_px, bool from_above,
                                DepthSample sample, std::span<float> out)
 {
@@ -201,6 +217,7 @@ bool GlDepthReader::read_tiles(const PixelRect& rect, int tile_px, bool from_abo
     GLint samples = 0;
     glGetIntegerv(GL_SAMPLES, &samples);
     const bool multisampled = samples > 1;
+    const bool exact = is_float(depth_format(saved.draw_framebuffer()));
     const int step = std::min(tile_px, kLargestStep);
     const glm::ivec2 size{rect.width, rect.height};
     const glm::ivec2 blocks = tiles_in(size, step);
@@ -229,7 +246,13 @@ bool GlDepthReader::read_tiles(const PixelRect& rect, int tile_px, bool from_abo
             sample, *last);
     }
     const glm::ivec2 tiles = tiles_in(size, tile_px);
-    return read_floats(last->framebuffer.name(), {0, 0, tiles.x, tiles.y}, GL_RED, out);
+    if (!read_floats(last->framebuffer.name(), {0, 0, tiles.x, tiles.y}, GL_RED, out)) {
+        return false;
+    }
+    if (!exact) {
+        round_toward_far(sample, out);
+    }
+    return true;
 }
 
 // Copies `rect` of the framebuffer's depth to the same place in copy_, whose state is the caller's
