@@ -115,6 +115,9 @@ public:
 
     explicit LazyGrid(HierarchyRef hierarchy, LazyGridOptions options = {});
 
+    /// The cells as the last frame left them; the viewer draws them.
+    const OcclusionGrid& grid() const { return grid_; }
+
 private:
     friend class CullerProbe; // of the tests
     /// A bounding volume in a list.
