@@ -100,7 +100,8 @@ TEST_F(MultiqueryTest, AFailedGroupIsHalvedUntilItIsSmall)
     });
     EXPECT_EQ(parts, (std::vector<std::vector<uint32_t>>{{0, 1, 2, 3}, {4, 5, 6}}));
     parts.clear();
-    batcher_.split(frame_, halves[1], [&](const Query& part) { parts.push_back(members(part)); });
+    const Query half = batcher_.add_part(halves[1], boxes());
+    batcher_.split(frame_, half, [&](const Query& part) { parts.push_back(members(part)); });
     EXPECT_EQ(parts, (std::vector<std::vector<uint32_t>>{{4}, {5}, {6}}));
     EXPECT_EQ(report_.counters.multiqueries_failed, 2u);
 }
