@@ -60,9 +60,14 @@ TEST(Cli, CoincidentSurfacesAreNamedInVerifyAndFailOnlyIfStrict)
 {
     const std::string data = source_dir() + "/tests/data/scenes/";
     const std::string json = (fs::path{write_file("any", "")}.parent_path() / "tied.json").string();
-    std::vector<std::string> verify = small(
-        {"verify", data + "f21_coplanar.glb", "--path", data + "p21_move.json", "--algorithms",
-         "exact", "--frames", "12", "--nothing-hidden-is-fine", "--json", json});
+    std::vector<std::string> verify{"verify", data + "f21_coplanar.glb"};
+    for (const char* argument :
+         {"--path", "", "--json", "", "--algorithms", "exact", "--frames", "12",
+          "--nothing-hidden-is-fine", "--device", "gl", "--size", "40x30"}) {
+        verify.emplace_back(argument);
+    }
+    verify[3] = data + "p21_move.json";
+    verify[5] = json;
     const Outcome outcome = run(verify);
     EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
     EXPECT_NE(outcome.out.find("equal but for ties"), std::string::npos) << outcome.out;

@@ -7,7 +7,7 @@
 #include "tools/temp_folder.h"
 #include "walk/paths.h"
 
-#include <occlude/cull/stop_and_wait.h>
+#include <occlude/cull/two_phase.h>
 #include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ enum class Device { cpu, gl };
 
 struct Shot {
     Image image;
-    Image culled;                           ///< drawn by stop_and_wait
+    Image culled;                           ///< drawn by two_phase
     std::set<uint32_t> hidden;              ///< items in the frustum that it did not draw
     std::map<uint32_t, uint64_t> pixels_of; ///< by item
     uint64_t items = 0;                     ///< in the frustum
@@ -107,8 +107,12 @@ Shot look(const TempFolder& folder, const glm::dvec3& offset, double scale,
     (*renderer)->render(view, items);
     shot.image = (*renderer)->capture().color;
     const Hierarchy tree = build_bvh(cull.scene.item_bounds(), {.leaf_triangles = 0});
-    StopAndWait culler(tree);
-    culler.cull(view, (*renderer)->device());
+    // From the third frame on, every box is tested against the depth of all that shows. In earlier
+    // ones the order of the tests counts too, and rounding decides it between equal distances.
+    TwoPhase culler(tree, {.final_depth = true});
+    for (int frame = 0; frame < 3; ++frame) {
+        culler.cull(view, (*renderer)->device());
+    }
     shot.culled = (*renderer)->capture().color;
     for (const ItemId item : items) {
         shot.hidden.insert(item.value);

@@ -70,10 +70,11 @@ TEST(JsonReport, HasTheKeysOfTheContract)
 {
     const std::vector<BenchDocument> documents = {example()};
     const Json json = Json::parse(json_report(documents));
-    EXPECT_EQ(keys(json), (std::set<std::string>{
-                              "version", "scene", "device", "hierarchy", "leaf_triangles",
-                              "item_triangles", "split", "sets", "preparation", "path", "size",
-                              "samples", "frames", "repeat", "sample_every", "evidence", "runs"}));
+    EXPECT_EQ(keys(json),
+              (std::set<std::string>{"version", "scene", "device", "hierarchy", "leaf_triangles",
+                                     "item_triangles", "split", "sets", "preparation", "path",
+                                     "size", "samples", "frames", "repeat", "sample_every",
+                                     "evidence", "coincident", "runs"}));
     EXPECT_EQ(json["version"], 1);
     EXPECT_EQ(keys(json["scene"]), (std::set<std::string>{"name", "objects", "items", "triangles",
                                                           "notes", "left_out"}));
