@@ -113,8 +113,9 @@ uint32_t CellGrid::build_grid(const std::vector<ItemPosition>& items, const Aabb
         triangles += bounds_[item.value].triangles;
     }
     const uint64_t cell_triangles = std::max<uint64_t>(options.cell_triangles, 1);
-    const Lattice lattice =
-        choose_lattice(items, region, std::min(triangles / cell_triangles, uint64_t{items.size()}));
+    const uint64_t cells =
+        std::clamp<uint64_t>(triangles / cell_triangles, 1, std::max<size_t>(items.size(), 1));
+    const Lattice lattice = choose_lattice(items, region, cells);
 
     std::vector<Overlap> overlaps;
     for (const ItemPosition item : items) {
