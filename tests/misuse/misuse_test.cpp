@@ -246,17 +246,17 @@ TEST(TwoLevelTreeMisuse, SlotsThatAreNotInUseAreLeftAlone)
     const auto slot = tree.add({ItemId{0u}, glm::mat4{1.0f}, parts, nullptr});
     tree.update(bounds);
     tree.move(slot + 5, glm::mat4{1.0f});
-    mistakes.expect("move() needs a slot in use");
+    mistakes.expect("only an object that is in the tree can move");
     tree.remove(slot + 5);
-    mistakes.expect("remove() needs a slot in use");
+    mistakes.expect("only an object that is in the tree can be removed");
     tree.remove(slot);
     mistakes.expect_none();
     tree.remove(slot);
-    mistakes.expect("remove() needs a slot in use");
+    mistakes.expect("only an object that is in the tree can be removed");
     tree.move(slot, glm::mat4{1.0f});
-    mistakes.expect("move() needs a slot in use");
+    mistakes.expect("only an object that is in the tree can move");
     tree.move(tree.add({ItemId{0u}, glm::mat4{1.0f}, {}, nullptr}), glm::mat4{1.0f});
-    mistakes.expect("an object has at least one item");
+    mistakes.expect("an object needs the box of at least one item");
     tree.update(bounds);
     EXPECT_EQ(tree.check(), "");
 }
