@@ -114,12 +114,6 @@ void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out)
     }
 }
 
-static std::string object_name(const SceneModel& model, uint32_t instance)
-{
-    const std::string& name = model.instances[instance].name;
-    return name.empty() ? fmt::format("object {}", instance) : name;
-}
-
 std::vector<CoincidentObjects> coincident_objects(const Session& session,
                                                   std::span<const AlgorithmRun> runs)
 {

@@ -105,7 +105,7 @@ void add_view(CommandLine& line)
                   .help = "Without a window; ends after --frames or --script"},
                  {.name = "--frames",
                   .target = &view.frames,
-                  .help = "Ends after so many frames",
+                  .help = "Ends after this many frames",
                   .whole = {{1, kMaxFrames}}},
                  {.name = "--screenshot",
                   .target = &view.screenshot,

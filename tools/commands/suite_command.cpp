@@ -131,7 +131,7 @@ Result<BenchDocument> measure_entry(const SuiteEntry& entry, const SuiteOptions&
     return document;
 }
 
-// The suite's files: the results are written anew after every entry, so that a run that is broken
+// The suite's files: the results are written after every entry, so that a run that is broken
 // off leaves what it has measured.
 class SuiteFiles {
 public:

@@ -172,11 +172,7 @@ void Finisher::add_instances()
             continue;
         }
         Instance instance = instance_of(loaded_, source, mesh, model_.meshes[mesh].name);
-        Aabb box;
-        for (const MeshPart& part : model_.meshes[mesh].parts) {
-            box = merge(box, transformed(instance.world_from_mesh, part.box));
-        }
-        if (is_usable(box)) {
+        if (is_usable(world_box(model_, instance))) {
             model_.instances.push_back(std::move(instance));
             placed_.push_back(&source);
         } else {

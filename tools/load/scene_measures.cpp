@@ -90,11 +90,7 @@ std::optional<float> door_height(const SceneModel& model)
         if (!names_a_door(instance.name) && !names_a_door(model.meshes[instance.mesh].name)) {
             continue;
         }
-        Aabb box;
-        for (const MeshPart& part : model.meshes[instance.mesh].parts) {
-            box = merge(box, transformed(instance.world_from_mesh, part.box));
-        }
-        heights.push_back(glm::dot(box.extent(), glm::abs(model.up)));
+        heights.push_back(glm::dot(world_box(model, instance).extent(), glm::abs(model.up)));
     }
     if (heights.empty()) {
         return std::nullopt;

@@ -19,13 +19,13 @@ struct MeasureOptions {
     /// Times the whole interleaved path is walked, with reset cullers; the figure of a frame is the
     /// median over them.
     size_t repeat = 1;
-    /// Only every so many frames of the path are measured, the last of each stretch; frames between
-    /// them are culled, untimed, by the algorithms that remember earlier frames, so that these see
-    /// the whole path. For scenes in which a frame without culling takes seconds. At most the
-    /// number of views.
+    /// Only one in this many frames of the path is measured, the last of each stretch; frames
+    /// between them are culled, untimed, by the algorithms that remember earlier frames, so that
+    /// these see the whole path. For scenes in which a frame without culling takes seconds. At most
+    /// the number of views.
     size_t sample_every = 1;
-    /// Compares the image of every so many measured frames with the reference, after the frame was
-    /// timed; 0: of none.
+    /// Compares the image of one in this many measured frames with the reference, after the frame
+    /// was timed; 0: of none.
     size_t verify_every = 0;
     SecondsClock clock = steady_seconds_clock();
     ProgressCallback progress = {};

@@ -20,7 +20,7 @@ public:
                  SceneRenderer& renderer);
 
     /// Brings everything to the state of `frame`. Frame 0, and any frame before the last one,
-    /// begins anew: the same frames in the same order give the same ids, trees and images.
+    /// starts over: the same frames in the same order give the same ids, trees and images.
     /// scene.item_bounds() stays where it is. O(items) and what the tree costs.
     void go_to(size_t frame);
 

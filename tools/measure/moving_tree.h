@@ -19,7 +19,7 @@ public:
     MovingTree(const MovingTree&) = delete;
     MovingTree& operator=(const MovingTree&) = delete;
 
-    /// Begins anew: `scene` has all its objects, where they are at first. What follows depends on
+    /// Starts over: `scene` has all its objects, where they are at first. What follows depends on
     /// nothing that was before.
     virtual void rewind(const Scene& scene) = 0;
     /// Takes over the scene as it is in `frame`: once per frame, before any view is culled.
@@ -33,12 +33,12 @@ using BuildHierarchy = std::function<Hierarchy(std::span<const ItemBounds>)>;
 
 /// Any hierarchy, refitted in every frame. As all objects are there when it is built, every item id
 /// has its place in it for ever: a free slot has an empty box, which is outside of every frustum.
-/// It is built anew only when refitting has made it too bad, because cullers then forget what they
+/// It is rebuilt only when refitting has made it too bad, because cullers then forget what they
 /// know.
 class RefittedTree final : public MovingTree {
 public:
-    /// Built anew when its expected cost (sah_cost()) exceeds that of the fresh tree this many
-    /// times, but not before so many frames.
+    /// Rebuilt when its expected cost (sah_cost()) exceeds that of the fresh tree this many
+    /// times, but not before this many frames.
     static constexpr double kWorstCost = 1.5;
     static constexpr size_t kRebuildPause = 16;
 
@@ -51,7 +51,7 @@ public:
     /// O(items + nodes), and a build now and then.
     void update(const Scene& scene, size_t frame) override;
 
-    /// How often the tree was built anew since the last rewind().
+    /// How often the tree was rebuilt since the last rewind().
     size_t rebuild_count() const { return rebuilds_; }
 
 private:

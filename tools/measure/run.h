@@ -62,7 +62,7 @@ struct FrameFigures {
     double overdraw_items_vs_exact = kNotMeasured;
     FrameCounters counters;
     uint64_t decision_hash = 0;
-    FramePlan plan;                 ///< of algorithms that choose anew for each frame
+    FramePlan plan;                 ///< of algorithms that choose in each frame
     std::optional<Verdict> verdict; ///< empty: not compared
     uint64_t items_in_frustum = 0;  ///< what frustum culling would draw
     bool shows_nothing = false;     ///< no item owns a pixel of the image

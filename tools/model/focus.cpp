@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kGapToFew = 8.0f;
 constexpr float kGapToMany = 64.0f;
-constexpr size_t kFewShare = 20; // one of so many instances
+constexpr size_t kFewShare = 20; // one in this many instances
 
 struct Placed {
     Aabb box;
@@ -121,10 +121,7 @@ Focus find_focus(const SceneModel& model)
     placed.reserve(model.instances.size());
     for (const Instance& instance : model.instances) {
         const Mesh& mesh = model.meshes[instance.mesh];
-        Aabb box;
-        for (const MeshPart& part : mesh.parts) {
-            box = merge(box, transformed(instance.world_from_mesh, part.box));
-        }
+        const Aabb box = world_box(model, instance);
         if (box.is_bounded()) {
             placed.push_back({box, mesh.indices.size() / 3});
         }

@@ -15,7 +15,7 @@ namespace occlude::tools {
 namespace {
 
 constexpr float kSmoothCosine = 0.766f; // 40 degrees
-/// Boxes of a shape: at most so many, and one for so many triangles of the part.
+/// A shape has at most kMostBoxes boxes, and one for kTrianglesPerBox triangles of the part.
 constexpr uint32_t kMostBoxes = 16;
 constexpr uint32_t kTrianglesPerBox = 32;
 /// Beyond this many triangles around a position it is smoothed as a whole, to bound the cost.

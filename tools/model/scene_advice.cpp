@@ -63,9 +63,7 @@ std::string name_of(const SceneModel& model, const ObjectSize& object)
 {
     const Instance& instance = model.instances[object.instance];
     const std::string& mesh = model.meshes[instance.mesh].name;
-    return !instance.name.empty() ? instance.name
-           : !mesh.empty()        ? mesh
-                                  : fmt::format("object {}", object.instance);
+    return instance.name.empty() && !mesh.empty() ? mesh : object_name(model, object.instance);
 }
 
 /// An advice about objects, the first of which are the worst.

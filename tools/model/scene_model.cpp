@@ -25,6 +25,21 @@ static Aabb moving_bounds(const SceneModel& model, const Instance& instance,
     return inflated(origins, reach);
 }
 
+Aabb world_box(const SceneModel& model, const Instance& instance)
+{
+    Aabb box;
+    for (const MeshPart& part : model.meshes[instance.mesh].parts) {
+        box = merge(box, transformed(instance.world_from_mesh, part.box));
+    }
+    return box;
+}
+
+std::string object_name(const SceneModel& model, uint32_t instance)
+{
+    const std::string& name = model.instances[instance].name;
+    return name.empty() ? "object " + std::to_string(instance) : name;
+}
+
 Aabb world_bounds(const SceneModel& model)
 {
     Aabb bounds;
@@ -33,9 +48,7 @@ Aabb world_bounds(const SceneModel& model)
         if (!model.motion.empty() && model.motion.instances[i].moves()) {
             bounds = merge(bounds, moving_bounds(model, instance, model.motion.instances[i]));
         }
-        for (const MeshPart& part : model.meshes[instance.mesh].parts) {
-            bounds = merge(bounds, transformed(instance.world_from_mesh, part.box));
-        }
+        bounds = merge(bounds, world_box(model, instance));
     }
     return bounds;
 }

@@ -85,6 +85,12 @@ struct SceneModel {
     };
 };
 
+/// The box of an instance where its transform has it, world space.
+Aabb world_box(const SceneModel& model, const Instance& instance);
+
+/// The name of an instance in messages; "object 7" if it has none.
+std::string object_name(const SceneModel& model, uint32_t instance);
+
 /// Bounds of all instances in all frames, world space.
 Aabb world_bounds(const SceneModel& model);
 

@@ -100,7 +100,7 @@ struct ViewOptions {
     std::string scene; ///< empty: none yet
     std::string algorithm;
     bool headless = false;
-    std::optional<size_t> frames; ///< ends after so many
+    std::optional<size_t> frames; ///< ends after this many
     std::optional<glm::ivec2> size;
     std::optional<float> scale; ///< of panels
     std::string screenshot;     ///< of the last frame; empty: none

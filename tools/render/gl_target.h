@@ -13,7 +13,7 @@ namespace occlude::tools {
 
 class GlTarget {
 public:
-    /// Makes the target anew. Fails, and leaves the old one, if the driver does not have the size
+    /// Makes a new target. Fails, and leaves the old one, if the driver does not have the size
     /// or the number of samples (1 is no multisampling).
     Result<bool> resize(glm::ivec2 size, int samples);
 

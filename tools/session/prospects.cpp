@@ -30,11 +30,7 @@ std::vector<View> flight(const Session& session, const glm::vec3& begin, const g
         cameras.push_back(camera);
     }
     choose_depth_range(cameras, session.model());
-    std::vector<View> views;
-    for (const Camera& camera : cameras) {
-        views.push_back(make_view(camera, session.options().size));
-    }
-    return views;
+    return session.views(cameras);
 }
 
 /// The flight through the middle, along one of the two level axes and at one of two heights, on
@@ -70,16 +66,8 @@ std::vector<View> views_inside(Session& session, size_t frames)
 
 std::vector<View> views_of(const Session& session, const std::string& path, size_t frames)
 {
-    auto cameras = load_path(path, session.model(), frames);
-    if (!cameras) {
-        return {};
-    }
-    choose_depth_range(*cameras, session.model());
-    std::vector<View> views;
-    for (const Camera& camera : *cameras) {
-        views.push_back(make_view(camera, session.options().size));
-    }
-    return views;
+    const auto cameras = session.cameras(path, frames);
+    return cameras ? session.views(*cameras) : std::vector<View>{};
 }
 
 std::string kinds_that(std::span<const Prospect> prospects, Pays pays)

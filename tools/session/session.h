@@ -71,8 +71,11 @@ public:
 
     /// The cameras of a path, with near and far chosen. Never empty.
     Result<std::vector<Camera>> cameras(const std::string& path) const;
-    /// The views of the same path at the session's size.
+    /// The same of another number of frames than that of the options.
+    Result<std::vector<Camera>> cameras(const std::string& path, size_t frames) const;
+    /// The views of the same path, or of these cameras, at the session's size.
     Result<std::vector<View>> views(const std::string& path) const;
+    std::vector<View> views(std::span<const Camera> cameras) const;
 
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;

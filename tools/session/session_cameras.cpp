@@ -7,7 +7,12 @@ namespace occlude::tools {
 
 Result<std::vector<Camera>> Session::cameras(const std::string& path) const
 {
-    auto cameras = load_path(path, model_, options_.frames);
+    return cameras(path, options_.frames);
+}
+
+Result<std::vector<Camera>> Session::cameras(const std::string& path, size_t frames) const
+{
+    auto cameras = load_path(path, model_, frames);
     if (!cameras) {
         return cameras.error();
     }
@@ -27,9 +32,14 @@ Result<std::vector<View>> Session::views(const std::string& path) const
     if (!path_cameras) {
         return path_cameras.error();
     }
+    return views(*path_cameras);
+}
+
+std::vector<View> Session::views(std::span<const Camera> cameras) const
+{
     std::vector<View> views;
-    views.reserve(path_cameras->size());
-    for (const Camera& camera : *path_cameras) {
+    views.reserve(cameras.size());
+    for (const Camera& camera : cameras) {
         views.push_back(make_view(camera, options_.size));
     }
     return views;

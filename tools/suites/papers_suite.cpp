@@ -19,8 +19,8 @@ SuiteEntry walk(Scale scale, std::string name, const Sizes& scene, std::string p
     entry.algorithms = std::move(algorithms);
     entry.stage.path = std::move(path);
     entry.stage.frames = scale == Scale::full ? 240 : 120;
-    // Papers leave their sizes out or had this one. In software each pixel is dear, as it was not
-    // on their hardware: larger images would measure shading, the same for all.
+    // Papers leave their sizes out or had this one. In software each pixel is expensive, as it was
+    // not on their hardware: larger images would measure shading, the same for all.
     entry.stage.size = {640, 480};
     // A frame without culling takes seconds at full scale, and 30 of them tell as much as 240.
     entry.sample_every = scale == Scale::full ? 8 : 6;
@@ -103,8 +103,8 @@ SuiteEntry bunnies_in_motion(Scale scale, const Sizes& scene, uint32_t part_tria
     entry.algorithms = "frustum,stop_and_wait,two_level";
     entry.stage.path = "pass";
     entry.stage.leaf_triangles = part_triangles;
-    // A test is cheap where triangles are dear: on the paper's hardware 14,408 of them took over
-    // two seconds. A larger image brings that somewhat nearer.
+    // A test is cheap where triangles are expensive: on the paper's hardware 14,408 of them took
+    // over two seconds. A larger image brings that somewhat nearer.
     entry.stage.size = {1024, 768};
     entry.stage.frames = 240;
     entry.sample_every = 12;

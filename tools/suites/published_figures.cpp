@@ -158,7 +158,7 @@ Find test_cost(std::string entry)
         Finding finding = test_cost_in_triangles(e, "batch_and_wait");
         if (!std::isnan(finding.value)) {
             finding.why = "Measured, not chosen: what is left of a frame after drawing, per test. "
-                          "Drawing is in software here, and triangles are dear.";
+                          "Drawing is in software here, and triangles are expensive.";
         }
         return finding;
     });
@@ -303,7 +303,7 @@ void add_gems29(std::vector<PublishedFigure>& figures)
         figures.push_back({"GEMS29", std::move(scene), std::move(what), std::move(published),
                            target, std::move(find)});
     };
-    add("boxes of 252 triangles", "a test costs as much as so many triangles", "about 200",
+    add("boxes of 252 triangles", "triangles that cost as much as a test", "about 200",
         kForComparison, test_cost("boxes_252"));
     add("boxes of 12 triangles", "time, frustum over testing every object",
         "\"won't accomplish much\" for 300 triangles, the less for 12", kForComparison,

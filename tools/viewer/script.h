@@ -3,7 +3,7 @@
 //   # a comment
 //   wait 3                      frames
 //   key F1                      press and release; "key ctrl+F"
-//   hold W 10                   hold for so many frames
+//   hold W 10                   hold for this many frames
 //   move 400 300                the mouse, in pixels of the window from its upper left corner
 //   click 400 300               or: click "Freeze", the middle of what has that label
 //   drag 400 300 500 320        with the left button; "drag right 400 300 500 320"

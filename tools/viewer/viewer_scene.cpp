@@ -28,8 +28,7 @@ void Viewer::note_instances()
 
 std::string Viewer::instance_name(uint32_t instance) const
 {
-    const Instance& named = session_->model().instances[instance];
-    return named.name.empty() ? fmt::format("object {}", instance) : named.name;
+    return object_name(session_->model(), instance);
 }
 
 bool Viewer::is_deleted(uint32_t instance) const

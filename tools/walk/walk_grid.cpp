@@ -28,15 +28,6 @@ glm::mat3 local_axes(const glm::vec3& up)
     return glm::transpose(glm::mat3{x, up, glm::cross(x, up)});
 }
 
-Aabb box_of(const Instance& instance, const Mesh& mesh)
-{
-    Aabb box;
-    for (const MeshPart& part : mesh.parts) {
-        box = merge(box, transformed(instance.world_from_mesh, part.box));
-    }
-    return box;
-}
-
 bool overlap(const Aabb& a, const Aabb& b)
 {
     return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
@@ -91,7 +82,7 @@ SolidGrid::SolidGrid(const SceneModel& model)
     std::vector<glm::vec3> cells;
     for (const Instance& instance : model.instances) {
         const Mesh& mesh = model.meshes[instance.mesh];
-        if (focus.left_out > 0 && !overlap(focus.box, box_of(instance, mesh))) {
+        if (focus.left_out > 0 && !overlap(focus.box, world_box(model, instance))) {
             continue; // far away: its cells would be those at the edge
         }
         cells.clear();

@@ -1,5 +1,6 @@
 #include "leaf_items.h"
 
+#include <occlude/core/rng.h>
 #include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <osg/Geometry>
@@ -16,8 +17,8 @@ namespace {
 
 constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
 
-// Matrices are computed anew in each frame, from the inverse of another view: the same place comes
-// out with other rounding. Far below the steps of the float boxes.
+// Each frame computes matrices from the inverse of its own view, so that rounding differs where the
+// place is the same. This tolerance is far below the steps of the float boxes.
 constexpr double kPlaceTolerance = 0x1p-36;
 
 // A hierarchy is built when one in this many items is new, or new ones have waited this long.
@@ -52,12 +53,6 @@ bool same_place(const glm::dmat4& a, const glm::dmat4& b)
     return difference <= kPlaceTolerance * largest_entry(a);
 }
 
-uint64_t mixed(uint64_t hash, uint64_t value)
-{
-    hash ^= value + 0x9e3779b97f4a7c15u + (hash << 6) + (hash >> 2);
-    return hash * 0xbf58476d1ce4e5b9u;
-}
-
 // Two places that round apart only cost the place: the leaf is then taken for one that has moved.
 uint64_t place_hash(const PlacedDrawable& placed)
 {
@@ -68,7 +63,7 @@ uint64_t place_hash(const PlacedDrawable& placed)
     for (int axis = 0; axis < 3; ++axis) {
         // An offset that coordinates with few bits do not have: they would lie on the seams.
         const double cells = std::floor(m[3][axis] / grid + 0.381966011250105);
-        hash = mixed(hash, static_cast<uint64_t>(static_cast<int64_t>(cells)));
+        hash = hash64(hash, static_cast<uint64_t>(static_cast<int64_t>(cells)));
     }
     return hash;
 }
@@ -230,7 +225,7 @@ void LeafItems::place(uint32_t id, const PlacedDrawable& leaf)
     bounds_[id].box = Aabb::empty(); // so that follow_box() sets it
 }
 
-// Sets the box anew if the item has moved, its drawable has another box, or it was missing.
+// Replaces the box if the item has moved, its drawable has another box, or it was missing.
 void LeafItems::follow_box(uint32_t id)
 {
     Item& item = items_[id];

@@ -1,6 +1,6 @@
 // Which leaf is which from frame to frame, and the hierarchy over them.
 //
-// The engine makes its leaves anew in every frame. A leaf is recognised by its drawable and the
+// The engine makes new leaves in every frame. A leaf is recognised by its drawable and the
 // place where the drawable stands: first by the order in which leaves came in the last frame, then
 // by a hash of both. A leaf that is at no known place is taken for one of the last frame with the
 // same drawable that is missing now: it has moved. Nothing depends on these guesses but speed: each
@@ -39,7 +39,7 @@ public:
 
     /// Finds the items of the leaves of this frame, writes one id per leaf, and brings the
     /// hierarchy up to date: refits what has moved, empties what was missing for a while, and
-    /// builds anew when enough is new. Ids keep their meaning until the next call.
+    /// rebuilds it when one item in kNewShare is new. Ids keep their meaning until the next call.
     void update(std::span<const PlacedDrawable> leaves, std::vector<ItemId>& ids);
 
     /// False for items that the hierarchy does not know yet: they cannot be culled.

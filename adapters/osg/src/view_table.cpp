@@ -9,7 +9,7 @@ namespace occlude {
 
 namespace {
 
-// A view is given up after so many draws of other views of its context.
+// A view is forgotten after this many draws of other views of its context.
 constexpr uint64_t kForgetAfterDraws = 1000;
 constexpr size_t kMaxCameras = 1024; // counted at a time; stale ones are among them
 

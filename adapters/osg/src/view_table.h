@@ -30,7 +30,7 @@ public:
 
     struct Pass {
         uint32_t index = 0;
-        bool is_new = false; ///< no frame before had so many
+        bool is_new = false; ///< no earlier frame had as many passes
     };
     /// Counts a traversal of `camera`.
     Pass next_pass(const osg::Camera* camera, unsigned int frame_number);

@@ -20,7 +20,7 @@ public:
     };
 
     /// ImGui must have a context. `scale`: of panels; 0: the window's. `always_panels`: draws the
-    /// panels anew in every frame, also where nothing happens to them.
+    /// panels in every frame, also where nothing happens to them.
     App(std::unique_ptr<Window> window, StageOptions options, Settings settings, float scale,
         bool always_panels);
     ~App();
