@@ -47,7 +47,8 @@ TEST(Complaints, EverythingVanishesOrNothingIsCulledWithTheCameraInsideABox)
         for (int frame = 0; frame < 12; ++frame) {
             culler->cull(test::look_ahead(), device);
         }
-        EXPECT_EQ(owners(device), owners_of_everything(scene, items.size(), test::look_ahead()))
+        EXPECT_EQ(test::owners(device),
+                  owners_of_everything(scene, items.size(), test::look_ahead()))
             << algorithm;
         EXPECT_LT(culler->drawn_items().size(), 30u) << algorithm;
     }
@@ -116,7 +117,7 @@ TEST(Complaints, SwitchingDevicesLeavesStaleStateBehind)
             const View view =
                 frame % 3 == 0 ? test::look({0, 0, -7.5f}, {0, 0, -20}) : test::look_ahead();
             culler->cull(view, device);
-            ASSERT_EQ(owners(device), owners_of_everything(scene, items.size(), view))
+            ASSERT_EQ(test::owners(device), owners_of_everything(scene, items.size(), view))
                 << algorithm << ", frame " << frame;
         }
     }
@@ -149,7 +150,7 @@ TEST(Complaints, WhatIsBehindADoorPopsInLate)
         reference.begin_frame(test::look_ahead());
         reference.draw(all, DrawPass::shade);
         reference.end_frame();
-        EXPECT_EQ(owners(open_device), owners(reference)) << algorithm;
+        EXPECT_EQ(test::owners(open_device), test::owners(reference)) << algorithm;
     }
 }
 

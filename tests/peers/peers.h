@@ -41,26 +41,11 @@ inline std::vector<ItemBounds> behind_a_wall(int boxes)
     return items;
 }
 
-inline std::vector<uint32_t> owners(const CpuDevice& device)
-{
-    std::vector<uint32_t> all;
-    for (size_t pixel = 0; pixel < device.depth().size(); ++pixel) {
-        all.push_back(device.owner(pixel).item.value);
-    }
-    return all;
-}
-
 inline std::vector<uint32_t> owners_of_everything(const CpuScene& scene, size_t items,
                                                   const View& view)
 {
     CpuDevice device(scene);
-    std::vector<ItemId> all;
-    for (size_t i = 0; i < items; ++i) {
-        all.push_back(ItemId{i});
-    }
-    device.begin_frame(view);
-    device.draw(all, DrawPass::shade);
-    device.end_frame();
+    draw_everything(device, items, view);
     return owners(device);
 }
 

@@ -79,7 +79,7 @@ TEST(PeerDefects, DepthOfThePreviousFrameHidesWhatTheCameraHasJustUncovered)
             const View view =
                 frame % 2 == 0 ? test::look_ahead() : test::look({0, 0, -7.5f}, {0, 0, -20});
             culler->cull(view, device);
-            ASSERT_EQ(owners(device), owners_of_everything(scene, items.size(), view))
+            ASSERT_EQ(test::owners(device), owners_of_everything(scene, items.size(), view))
                 << algorithm << ", frame " << frame;
         }
     }
@@ -291,7 +291,7 @@ TEST(PeerDefects, RecycledObjectInheritsTheAnswerOfItsPredecessor)
         culler->cull(test::look_ahead(), late);
         const auto drawn = culler->drawn_items();
         EXPECT_NE(std::find(drawn.begin(), drawn.end(), ItemId{20u}), drawn.end()) << algorithm;
-        EXPECT_EQ(owners(cpu), owners_of_everything(*scene, items.size(), test::look_ahead()))
+        EXPECT_EQ(test::owners(cpu), owners_of_everything(*scene, items.size(), test::look_ahead()))
             << algorithm;
     }
 }

@@ -36,4 +36,26 @@ private:
                                    2, 3, 6, 6, 3, 7, 0, 2, 4, 4, 2, 6, 1, 5, 3, 3, 5, 7};
 };
 
+/// One frame that draws items 0 to items - 1.
+inline void draw_everything(QueryDevice& device, size_t items, const View& view)
+{
+    std::vector<ItemId> all;
+    for (size_t i = 0; i < items; ++i) {
+        all.push_back(ItemId{i});
+    }
+    device.begin_frame(view);
+    device.draw(all, DrawPass::shade);
+    device.end_frame();
+}
+
+/// The item that each pixel shows.
+inline std::vector<uint32_t> owners(const CpuDevice& device)
+{
+    std::vector<uint32_t> all;
+    for (size_t pixel = 0; pixel < device.depth().size(); ++pixel) {
+        all.push_back(device.owner(pixel).item.value);
+    }
+    return all;
+}
+
 } // namespace occlude::test

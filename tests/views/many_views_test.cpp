@@ -58,23 +58,13 @@ struct Picture {
 
 Picture picture_of(const CpuDevice& device)
 {
-    Picture picture{{device.depth().begin(), device.depth().end()}, {}};
-    for (size_t pixel = 0; pixel < picture.depth.size(); ++pixel) {
-        picture.owners.push_back(device.owner(pixel).item.value);
-    }
-    return picture;
+    return {{device.depth().begin(), device.depth().end()}, test::owners(device)};
 }
 
 Picture everything(const test::BoxCpuScene& scene, size_t items, const View& view)
 {
     CpuDevice device(scene);
-    std::vector<ItemId> all;
-    for (size_t i = 0; i < items; ++i) {
-        all.push_back(ItemId{i});
-    }
-    device.begin_frame(view);
-    device.draw(all, DrawPass::shade);
-    device.end_frame();
+    test::draw_everything(device, items, view);
     return picture_of(device);
 }
 

@@ -187,13 +187,13 @@ TEST(PapersReport, TheCountersChooseTheSentenceAboutWhatFallsShort)
                   .find("The scene sets the limit: `ideal`, which is told what is visible and "
                         "tests nothing, is 1.67 times as fast"),
               std::string::npos);
-    // The triangles fall, the time does not: the tests are too dear.
-    const std::string dear = plant_lines(frustum, {80.0, 20000, 100}, good, good);
-    EXPECT_NE(dear.find("Triangles fall by the published factor and more (5.00)"),
+    // The triangles fall, the time does not: the tests are too expensive.
+    const std::string expensive = plant_lines(frustum, {80.0, 20000, 100}, good, good);
+    EXPECT_NE(expensive.find("Triangles fall by the published factor and more (5.00)"),
               std::string::npos);
-    EXPECT_NE(dear.find("about 25% is drawing"), std::string::npos);
-    EXPECT_NE(dear.find("40% waiting for answers"), std::string::npos);
-    EXPECT_NE(dear.find("as much per test as 600 triangles"), std::string::npos);
+    EXPECT_NE(expensive.find("about 25% is drawing"), std::string::npos);
+    EXPECT_NE(expensive.find("40% waiting for answers"), std::string::npos);
+    EXPECT_NE(expensive.find("as much per test as 600 triangles"), std::string::npos);
     // The leaves hold too much.
     EXPECT_NE(plant_lines(frustum, {80.0, 70000, 10}, good, {50.0, 60000, 0})
                   .find("triangles can fall 1.67-fold at most (`opt`)"),
