@@ -58,8 +58,7 @@ void check_tiles(Checker& checker, const std::vector<float>& depth, glm::ivec2 s
         if (cost.tile_px <= 1) {
             continue;
         }
-        const glm::ivec2 count = tiles_in(size, cost.tile_px);
-        std::vector<float> tiles(static_cast<size_t>(count.x) * static_cast<size_t>(count.y));
+        std::vector<float> tiles(pixel_count(tiles_in(size, cost.tile_px)));
         std::vector<float> farthest(tiles.size());
         farthest_of_tiles(depth, size, cost.tile_px, farthest);
         const std::string where = world + ": tiles of " + std::to_string(cost.tile_px) + " pixels";

@@ -73,7 +73,7 @@ void for_each_counter(Counters& c, Visit&& visit)
     visit("cells_asked", c.cells_asked);
 }
 
-/// How an algorithm that chooses anew for each frame went about this one, and why. The times are
+/// What an algorithm that chooses in each frame chose in this one, and why. The times are
 /// its own estimates, in microseconds.
 struct FramePlan {
     enum class Kind : uint8_t {

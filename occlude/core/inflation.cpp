@@ -1,4 +1,5 @@
 // How far a box grows before it is tested, in the space of an object.
+#include <occlude/core/detail/view_math.h>
 #include <occlude/core/view.h>
 
 #include <glm/geometric.hpp>
@@ -9,19 +10,15 @@
 
 namespace occlude {
 
-namespace {
+using detail::kRoundedUp;
+using detail::largest;
 
-constexpr double kRoundedUp = 1.0 + 1e-6; // what is taken to be a bound in float
+namespace {
 
 double frobenius_norm(const glm::dmat3& map)
 {
     return std::sqrt(glm::dot(map[0], map[0]) + glm::dot(map[1], map[1]) +
                      glm::dot(map[2], map[2]));
-}
-
-double largest(const glm::dvec3& v)
-{
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
 } // namespace

@@ -26,6 +26,7 @@
 
 #include <occlude/core/aabb.h>
 #include <occlude/core/ids.h>
+#include <occlude/core/pixel_rect.h>
 #include <occlude/core/tiles.h>
 #include <occlude/core/view.h>
 
@@ -135,16 +136,6 @@ struct Answer {
     static Answer pending() { return {AnswerState::pending, kUnknownSamples}; }
     static Answer lost() { return {}; }
     static Answer ready(uint64_t samples) { return {AnswerState::ready, samples}; }
-};
-
-/// A rectangle of pixels: x, y of the lower left one, then the size. Row 0 is the bottom row.
-struct PixelRect {
-    int x = 0;
-    int y = 0;
-    int width = 0;
-    int height = 0;
-
-    bool operator==(const PixelRect&) const = default;
 };
 
 class QueryDevice {

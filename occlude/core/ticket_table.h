@@ -51,6 +51,15 @@ public:
         --count_;
     }
 
+    /// The value, which is released; nothing if the ticket is unknown.
+    std::optional<T> take(Ticket ticket)
+    {
+        const T* found = find(ticket);
+        std::optional<T> value = found != nullptr ? std::optional<T>{*found} : std::nullopt;
+        release(ticket);
+        return value;
+    }
+
     /// Tickets given out and not released.
     uint32_t size() const { return count_; }
 

@@ -1,3 +1,4 @@
+#include <occlude/core/detail/view_math.h>
 #include <occlude/core/view.h>
 
 #include <glm/common.hpp>
@@ -8,6 +9,10 @@
 #include <cmath>
 
 namespace occlude {
+
+using detail::common_zero;
+using detail::kRoundedUp;
+using detail::largest;
 
 namespace {
 
@@ -25,8 +30,6 @@ constexpr double kStreams = 2.0;
 // by w are then off by at most an eighth of what the numerators are.
 constexpr double kLeastWOverRounding = 8.0;
 
-constexpr double kRoundedUp = 1.0 + 1e-6; // what is taken to be a bound in float
-
 bool all_finite(const glm::dmat4& m)
 {
     for (int c = 0; c < 4; ++c) {
@@ -37,17 +40,6 @@ bool all_finite(const glm::dmat4& m)
         }
     }
     return true;
-}
-
-// The point that rows x, y and w all map to 0: the eye, or a direction (w = 0) when orthographic.
-glm::dvec4 common_zero(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& w)
-{
-    const auto minor = [&](int a, int b, int c) {
-        return glm::determinant(glm::dmat3{glm::dvec3{x[a], x[b], x[c]},
-                                           glm::dvec3{y[a], y[b], y[c]},
-                                           glm::dvec3{w[a], w[b], w[c]}});
-    };
-    return {minor(1, 2, 3), -minor(0, 2, 3), minor(0, 1, 3), -minor(0, 1, 2)};
 }
 
 // True where w is the same everywhere. Rows are compared with each other, so that neither the unit
@@ -122,11 +114,6 @@ glm::dmat4 magnitude_of(const glm::dmat4& m)
 {
     return {detail::absolute(m[0]), detail::absolute(m[1]), detail::absolute(m[2]),
             detail::absolute(m[3])};
-}
-
-double largest(const glm::dvec3& v)
-{
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
 // `map` after a translation by `offset`.

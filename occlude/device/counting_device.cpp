@@ -101,24 +101,23 @@ Answer CountingDevice::wait(Ticket ticket)
     return count_answer(ticket, inner().wait(ticket));
 }
 
+bool CountingDevice::count_depth_read(bool read, size_t values)
+{
+    if (read) {
+        ++frame_.depth_reads;
+        frame_.pixels_read += values;
+    }
+    return read;
+}
+
 bool CountingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
-    if (!inner().read_depth(rect, out)) {
-        return false;
-    }
-    ++frame_.depth_reads;
-    frame_.pixels_read += out.size();
-    return true;
+    return count_depth_read(inner().read_depth(rect, out), out.size());
 }
 
 bool CountingDevice::read_depth_tiles(int tile_px, std::span<float> out)
 {
-    if (!inner().read_depth_tiles(tile_px, out)) {
-        return false;
-    }
-    ++frame_.depth_reads;
-    frame_.pixels_read += out.size();
-    return true;
+    return count_depth_read(inner().read_depth_tiles(tile_px, out), out.size());
 }
 
 } // namespace occlude

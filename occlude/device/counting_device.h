@@ -59,6 +59,7 @@ private:
 
     void enter(State state);
     void count_draw(std::span<const ItemId> items, DrawPass pass);
+    bool count_depth_read(bool read, size_t values);
     Answer count_answer(Ticket ticket, Answer answer);
 
     Options options_;

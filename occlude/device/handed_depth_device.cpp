@@ -20,9 +20,7 @@ HandedDepthDevice::HandedDepthDevice()
 
 void HandedDepthDevice::hand_over(glm::ivec2 size_px, std::span<const float> depth)
 {
-    const bool fits =
-        size_px.x > 0 && size_px.y > 0 &&
-        depth.size() == static_cast<size_t>(size_px.x) * static_cast<size_t>(size_px.y);
+    const bool fits = size_px.x > 0 && size_px.y > 0 && depth.size() == pixel_count(size_px);
     OCCLUDE_ASSERT(fits, "HandedDepthDevice::hand_over needs one value per pixel");
     pyramid_.forget();
     size_px_ = fits ? size_px : glm::ivec2{0};
@@ -46,23 +44,13 @@ void HandedDepthDevice::query(const QueryBatch& batch, std::span<Ticket> tickets
 
 Answer HandedDepthDevice::wait(Ticket ticket)
 {
-    const Answer* found = tickets_.find(ticket);
-    if (found == nullptr) {
-        return Answer::lost();
-    }
-    const Answer answer = *found;
-    tickets_.release(ticket);
-    return answer;
+    return tickets_.take(ticket).value_or(Answer::lost());
 }
 
 bool HandedDepthDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
-    const bool fits =
-        view_.size_px() == size_px_ && rect.x >= 0 && rect.y >= 0 && rect.width >= 0 &&
-        rect.height >= 0 && rect.width <= size_px_.x - rect.x &&
-        rect.height <= size_px_.y - rect.y &&
-        out.size() == static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height);
-    if (!fits) {
+    if (view_.size_px() != size_px_ || !is_inside(rect, size_px_) ||
+        out.size() != pixel_count(rect)) {
         return false;
     }
     for (int row = 0; row < rect.height; ++row) {

@@ -1,6 +1,8 @@
 // What a ValidatingDevice says of depth that is read.
 #include <occlude/device/validating_device.h>
 
+#include <occlude/screen/depth_tiles.h>
+
 #include <algorithm>
 #include <bit>
 
@@ -9,14 +11,11 @@ namespace occlude {
 bool ValidatingDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
     require_frame("read_depth");
-    const glm::ivec2 size = view_.size_px();
-    const bool inside = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
-                        rect.width <= size.x - rect.x && rect.height <= size.y - rect.y;
-    if (!inside) {
+    if (!is_inside(rect, view_.size_px())) {
         report("precondition", "read_depth of a rectangle outside of the target");
         return false;
     }
-    if (out.size() != static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height)) {
+    if (out.size() != pixel_count(rect)) {
         report("precondition", "read_depth was given room for " + std::to_string(out.size()) +
                                    " pixels, not for its rectangle");
         return false;
@@ -46,7 +45,7 @@ bool ValidatingDevice::read_depth_tiles(int tile_px, std::span<float> out)
         return false;
     }
     const glm::ivec2 tiles = tiles_in(view_.size_px(), tile_px);
-    if (out.size() != static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y)) {
+    if (out.size() != pixel_count(tiles)) {
         report("precondition", "read_depth_tiles was given room for " + std::to_string(out.size()) +
                                    " values, not for the " + std::to_string(tiles.x) + "x" +
                                    std::to_string(tiles.y) + " tiles of the target");
@@ -66,15 +65,16 @@ bool ValidatingDevice::read_depth_tiles(int tile_px, std::span<float> out)
 void ValidatingDevice::check_tiles(int tile_px, std::span<const float> tiles) const
 {
     const std::vector<float> pixels = depth();
-    const auto width = static_cast<size_t>(view_.size_px().x);
+    if (pixels.empty()) {
+        return;
+    }
+    std::vector<float> farthest(tiles.size());
+    farthest_of_tiles(pixels, view_.size_px(), tile_px, farthest);
     const auto across = static_cast<size_t>(tiles_in(view_.size_px(), tile_px).x);
-    const auto side = static_cast<size_t>(tile_px);
-    for (size_t i = 0; i < pixels.size(); ++i) {
-        const size_t x = i % width / side;
-        const size_t y = i / width / side;
-        if (tiles[y * across + x] < pixels[i]) {
-            report("C3", "read_depth_tiles: tile (" + std::to_string(x) + ", " + std::to_string(y) +
-                             ") is nearer than one of its pixels");
+    for (size_t i = 0; i < tiles.size(); ++i) {
+        if (tiles[i] < farthest[i]) {
+            report("C3", "read_depth_tiles: tile (" + std::to_string(i % across) + ", " +
+                             std::to_string(i / across) + ") is nearer than one of its pixels");
             return;
         }
     }
@@ -87,7 +87,7 @@ std::vector<float> ValidatingDevice::depth() const
         size.y <= 0) {
         return {};
     }
-    std::vector<float> pixels(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+    std::vector<float> pixels(pixel_count(size));
     const bool read = inner().read_depth({0, 0, size.x, size.y}, pixels);
     return read ? pixels : std::vector<float>{};
 }

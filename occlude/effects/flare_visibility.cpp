@@ -1,5 +1,7 @@
 #include <occlude/effects/flare_visibility.h>
 
+#include <occlude/core/detail/view_math.h>
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -38,13 +40,12 @@ glm::dvec3 relative_position(const View& view, const glm::vec4& position)
     return glm::dvec3{position} / double{position.w} - view.origin();
 }
 
-// The point that the rows of x, y and w map to 0, relative to the view's origin.
+// The eye, relative to the view's origin. Precondition: a perspective.
 glm::dvec3 relative_eye(const View& view)
 {
     const glm::dmat4 rows = glm::transpose(view.clip_from_relative());
-    const glm::dmat3 linear =
-        glm::transpose(glm::dmat3{glm::dvec3{rows[0]}, glm::dvec3{rows[1]}, glm::dvec3{rows[3]}});
-    return glm::inverse(linear) * -glm::dvec3{rows[0].w, rows[1].w, rows[3].w};
+    const glm::dvec4 zero = detail::common_zero(rows[0], rows[1], rows[3]);
+    return glm::dvec3{zero} / zero.w;
 }
 
 std::optional<Place> place_perspective(const View& view, const glm::vec4& position)

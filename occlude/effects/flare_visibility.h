@@ -63,7 +63,7 @@ struct FlareOptions {
     double fade_time = 2.0;
     /// Anything that ascends; by default it counts frames.
     std::function<double()> clock = {};
-    /// Answers that are not there after so many frames are waited for.
+    /// An answer that has not arrived after this many frames is waited for.
     uint32_t max_latency = 3;
 };
 

@@ -130,7 +130,7 @@ Result<BoundsAudit> audit_item_bounds(QueryDevice& device, const View& view,
     BoundsAudit audit;
     std::array<Suspect, 2> others = suspects(view);
     size_t fitting = 0;
-    std::vector<float> depths(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+    std::vector<float> depths(pixel_count(size));
     for (size_t i = 0; i < bounds.size(); ++i) {
         if (bounds[i].box.is_empty()) {
             continue;

@@ -97,7 +97,7 @@ private:
     bool read(std::vector<float>& depths)
     {
         const glm::ivec2 size = view_.size_px();
-        depths.resize(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+        depths.resize(pixel_count(size));
         return device_.read_depth({0, 0, size.x, size.y}, depths);
     }
 

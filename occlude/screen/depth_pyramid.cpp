@@ -18,11 +18,6 @@ static float farther(float a, float b)
     return a < b ? b : a;
 }
 
-static size_t texel_count(const detail::PyramidLevel& level)
-{
-    return static_cast<size_t>(level.size.x) * static_cast<size_t>(level.size.y);
-}
-
 std::span<float> DepthPyramid::resize(glm::ivec2 size_px, int base)
 {
     OCCLUDE_ASSERT(base >= 0, "DepthPyramid::resize: the base is a level");
@@ -48,12 +43,13 @@ std::span<float> DepthPyramid::resize(glm::ivec2 size_px, int base)
         size_t texels = 0;
         for (size_t n = 0; n < levels_.size(); ++n) {
             levels_[n].first = texels;
-            texels += n < static_cast<size_t>(base_) ? 0 : texel_count(levels_[n]);
+            texels += n < static_cast<size_t>(base_) ? 0 : pixel_count(levels_[n].size);
         }
         texels_.assign(texels + detail::kSpan - 1, 1.0f);
     }
-    return empty() ? std::span<float>{}
-                   : std::span{texels_}.first(texel_count(levels_[static_cast<size_t>(base_)]));
+    return empty()
+               ? std::span<float>{}
+               : std::span{texels_}.first(pixel_count(levels_[static_cast<size_t>(base_)].size));
 }
 
 void detail::reduce_rows(const float* a, const float* b, int width, float* out)

@@ -101,8 +101,7 @@ double farthest_if_covering(const View& view, const glm::mat4& world_from_unit,
 std::optional<glm::mat4> world_from_rectangle(const View& view, const PixelRect& rect, float depth)
 {
     const glm::ivec2 size_px = view.size_px();
-    const bool inside = rect.width > 0 && rect.height > 0 && rect.x >= 0 && rect.y >= 0 &&
-                        rect.width <= size_px.x - rect.x && rect.height <= size_px.y - rect.y;
+    const bool inside = rect.width > 0 && rect.height > 0 && is_inside(rect, size_px);
     OCCLUDE_ASSERT(inside, "world_from_rectangle needs a rectangle with pixels, in the target");
     if (!inside) {
         return std::nullopt;

@@ -13,11 +13,9 @@ bool CpuDevice::read_depth(const PixelRect& rect, std::span<float> out)
     if (!transform_.usable()) {
         return false; // a view without a target; see begin_frame()
     }
-    const bool fits = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&
-                      rect.width <= target_.size_px.x - rect.x &&
-                      rect.height <= target_.size_px.y - rect.y;
+    const bool fits = is_inside(rect, target_.size_px);
     OCCLUDE_ASSERT(fits, "read_depth outside of the target");
-    if (!fits || out.size() != static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height)) {
+    if (!fits || out.size() != pixel_count(rect)) {
         return false;
     }
     for (int row = 0; row < rect.height; ++row) {
@@ -35,8 +33,7 @@ bool CpuDevice::read_depth_tiles(int tile_px, std::span<float> out)
     }
     const bool legal = caps_.find_depth_read(tile_px) != nullptr && tile_px > 1;
     OCCLUDE_ASSERT(legal, "read_depth_tiles: caps().depth_reads lists the sizes of tiles");
-    const glm::ivec2 tiles = tiles_in(target_.size_px, legal ? tile_px : 1);
-    if (!legal || out.size() != static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y)) {
+    if (!legal || out.size() != pixel_count(tiles_in(target_.size_px, tile_px))) {
         return false;
     }
     farthest_of_tiles(target_.depth, target_.size_px, tile_px, out);

@@ -99,7 +99,7 @@ void CpuDevice::begin_frame(const View& view)
     const glm::ivec2 size = transform_.usable() ? view.size_px() : glm::ivec2{0};
     if (size != target_.size_px) {
         target_.size_px = size;
-        const size_t pixels = static_cast<size_t>(size.x) * static_cast<size_t>(size.y);
+        const size_t pixels = pixel_count(size);
         target_.items.assign(pixels, 0);
         target_.triangles.assign(pixels, 0);
         stamps_.assign(pixels, 0);
@@ -352,10 +352,7 @@ Ticket CpuDevice::issue(const Answer& answer)
 
 Answer CpuDevice::wait(Ticket ticket)
 {
-    const Answer* found = unspent_.find(ticket);
-    const Answer answer = found != nullptr ? *found : Answer::lost();
-    unspent_.release(ticket);
-    return answer;
+    return unspent_.take(ticket).value_or(Answer::lost());
 }
 
 CpuDevice::Owner CpuDevice::owner(size_t pixel) const

@@ -161,10 +161,7 @@ void CpuFastDevice::flush()
 
 Answer CpuFastDevice::wait(Ticket ticket)
 {
-    const Answer* found = tickets_.find(ticket);
-    const Answer answer = found != nullptr ? *found : Answer::lost();
-    tickets_.release(ticket);
-    return answer;
+    return tickets_.take(ticket).value_or(Answer::lost());
 }
 
 bool CpuFastDevice::read_depth(const PixelRect& rect, std::span<float> out)

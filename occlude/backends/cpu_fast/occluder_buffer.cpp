@@ -263,11 +263,7 @@ const OccluderStatistics& OccluderBuffer::statistics() const
 bool OccluderBuffer::read_depth(const PixelRect& rect, std::span<float> out) const
 {
     const State& s = *state_;
-    const glm::ivec2 size = s.grid.size_px;
-    const bool fits = !s.depth.empty() && rect.x >= 0 && rect.y >= 0 && rect.width >= 0 &&
-                      rect.height >= 0 && rect.width <= size.x - rect.x &&
-                      rect.height <= size.y - rect.y;
-    if (!fits || out.size() != static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height)) {
+    if (s.depth.empty() || !is_inside(rect, s.grid.size_px) || out.size() != pixel_count(rect)) {
         return false;
     }
     const int cell = s.options.cell_px;

@@ -307,11 +307,9 @@ Answer GlDevice::wait(Ticket ticket)
 
 bool GlDevice::read_depth(const PixelRect& rect, std::span<float> out)
 {
-    OCCLUDE_ASSERT(rect.x >= 0 && rect.y >= 0 && rect.x + rect.width <= view_.size_px().x &&
-                       rect.y + rect.height <= view_.size_px().y,
+    OCCLUDE_ASSERT(is_inside(rect, view_.size_px()),
                    "read_depth(): the rectangle is not inside the target");
-    OCCLUDE_ASSERT(out.size() == static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height),
-                   "read_depth(): one float per pixel");
+    OCCLUDE_ASSERT(out.size() == pixel_count(rect), "read_depth(): one float per pixel");
     if (frame_ != Frame::good) {
         return false;
     }
@@ -335,9 +333,8 @@ bool GlDevice::read_depth_tiles(int tile_px, std::span<float> out)
     const bool legal = tile_px > 1 && caps_.find_depth_read(tile_px) != nullptr;
     OCCLUDE_ASSERT(legal, "read_depth_tiles(): caps().depth_reads lists the sizes of tiles");
     const glm::ivec2 size = view_.size_px();
-    const glm::ivec2 tiles = tiles_in(size, legal ? tile_px : 1);
     if (!legal || frame_ != Frame::good || size.x <= 0 || size.y <= 0 ||
-        out.size() != static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y)) {
+        out.size() != pixel_count(tiles_in(size, tile_px))) {
         return false;
     }
     const GlTargetState& target = parts_->target;
@@ -378,8 +375,7 @@ void GlDevice::warm_up()
     }
     float depth = 0.0f;
     read_depth({0, 0, 1, 1}, {&depth, 1});
-    const glm::ivec2 tiles = tiles_in(view_.size_px(), GlDepthReader::kLargestTile);
-    std::vector<float> depths(static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y));
+    std::vector<float> depths(pixel_count(tiles_in(view_.size_px(), GlDepthReader::kLargestTile)));
     read_depth_tiles(GlDepthReader::kLargestTile, depths);
 }
 

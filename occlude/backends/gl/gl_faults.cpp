@@ -92,7 +92,7 @@ bool GlFaults::can_test(const View& view, const GlTargetState& target)
                 Severity::warning, "gl.viewport",
                 "the viewport is " + text(viewport) + " pixels, the view " + text(view.size_px()) +
                     (swapped ? ": width and height are swapped"
-                             : ": with a dynamic resolution, make the view anew with the size of "
+                             : ": with a dynamic resolution, make a new view with the size of "
                                "the viewport in every frame") +
                     "; nothing is culled until they agree");
         }

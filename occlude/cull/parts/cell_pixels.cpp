@@ -65,6 +65,15 @@ bool ReadBackPixels::look(CullFrame& frame, OcclusionGrid& grid, const PixelQues
     return false;
 }
 
+static void mark_copied(OcclusionGrid& grid, int first_row, int end_row)
+{
+    for (int y = first_row; y < end_row; ++y) {
+        for (int x = 0; x < grid.size_in_cells().x; ++x) {
+            grid.cell({x, y}).copied = true;
+        }
+    }
+}
+
 // Makes pixels_ hold the rows of all asked cells as they are now. False if the device cannot.
 bool ReadBackPixels::copy_rows(CullFrame& frame, OcclusionGrid& grid,
                                std::span<const AskedCell> cells)
@@ -95,11 +104,7 @@ bool ReadBackPixels::copy_rows(CullFrame& frame, OcclusionGrid& grid,
     if (!frame.read_depth(rows, out)) {
         return false;
     }
-    for (int y = begin; y < end; ++y) {
-        for (int x = 0; x < grid.size_in_cells().x; ++x) {
-            grid.cell({x, y}).copied = true;
-        }
-    }
+    mark_copied(grid, begin, end);
     return true;
 }
 
@@ -141,15 +146,11 @@ bool TiledPixels::look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestio
 bool TiledPixels::read(CullFrame& frame, OcclusionGrid& grid)
 {
     size_in_tiles_ = tiles_in(frame.view().size_px(), tile_px_);
-    tiles_.resize(static_cast<size_t>(size_in_tiles_.x) * static_cast<size_t>(size_in_tiles_.y));
+    tiles_.resize(pixel_count(size_in_tiles_));
     if (!frame.read_depth_tiles(tile_px_, tiles_)) {
         return false;
     }
-    for (int y = 0; y < grid.size_in_cells().y; ++y) {
-        for (int x = 0; x < grid.size_in_cells().x; ++x) {
-            grid.cell({x, y}).copied = true;
-        }
-    }
+    mark_copied(grid, 0, grid.size_in_cells().y);
     return true;
 }
 

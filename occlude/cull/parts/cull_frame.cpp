@@ -302,19 +302,6 @@ SamplePositions CullFrame::samples() const
     return caps().samples_at_pixel_centers ? SamplePositions::center : SamplePositions::anywhere;
 }
 
-// Only assertions ask.
-[[maybe_unused]] static bool is_inside(const PixelRect& rect, glm::ivec2 size_px)
-{
-    return rect.x >= 0 && rect.y >= 0 && rect.x + rect.width <= size_px.x &&
-           rect.y + rect.height <= size_px.y;
-}
-
-// No room was made for a target that is too large (DepthPyramid::kMaxPixels).
-static bool has_room(glm::ivec2 size, std::span<const float> out)
-{
-    return out.size() == static_cast<size_t>(size.x) * static_cast<size_t>(size.y);
-}
-
 bool CullFrame::count_depth_read(bool read, size_t values)
 {
     if (!read) {
@@ -329,13 +316,14 @@ bool CullFrame::count_depth_read(bool read, size_t values)
 bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)
 {
     OCCLUDE_ASSERT(is_inside(rect, view_.size_px()), "depth is read inside the target");
-    return has_room({rect.width, rect.height}, out) &&
+    // No room was made for a target that is too large (DepthPyramid::kMaxPixels).
+    return out.size() == pixel_count(rect) &&
            count_depth_read(device_.read_depth(rect, out), out.size());
 }
 
 bool CullFrame::read_depth_tiles(int tile_px, std::span<float> out)
 {
-    return has_room(tiles_in(view_.size_px(), tile_px), out) &&
+    return out.size() == pixel_count(tiles_in(view_.size_px(), tile_px)) &&
            count_depth_read(device_.read_depth_tiles(tile_px, out), out.size());
 }
 

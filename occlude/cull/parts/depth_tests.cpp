@@ -15,9 +15,8 @@ bool DepthTests::read_pixels_or_tiles(CullFrame& frame)
     if (tile_px_ > 1 && frame.caps().find_depth_read(tile_px_) != nullptr) {
         const int level = std::countr_zero(static_cast<uint32_t>(tile_px_));
         const std::span<float> tiles = pyramid_.resize(size, level);
-        const glm::ivec2 needed = tiles_in(size, tile_px_);
         // A tile may be larger than the target, and there is no level of such texels.
-        if (tiles.size() == static_cast<size_t>(needed.x) * static_cast<size_t>(needed.y) &&
+        if (tiles.size() == pixel_count(tiles_in(size, tile_px_)) &&
             frame.read_depth_tiles(tile_px_, tiles)) {
             return true;
         }

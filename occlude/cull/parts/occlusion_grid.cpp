@@ -31,7 +31,7 @@ void OcclusionGrid::reset(glm::ivec2 size_px, int cell_size)
         return pixels / cell_size_ + (pixels % cell_size_ != 0 ? 1 : 0);
     };
     cells_in_ = {cells_along(size_px_.x), cells_along(size_px_.y)};
-    cells_.assign(static_cast<size_t>(cells_in_.x) * static_cast<size_t>(cells_in_.y), Cell{});
+    cells_.assign(pixel_count(cells_in_), Cell{});
 }
 
 PixelRect OcclusionGrid::pixels(glm::ivec2 cell) const

@@ -42,12 +42,6 @@ struct CellRange {
 /// The pixels that two rectangles share; size 0 (both) if none.
 PixelRect intersection(const PixelRect& a, const PixelRect& b);
 
-/// Precondition: the size is not negative.
-inline size_t pixel_count(const PixelRect& rect)
-{
-    return static_cast<size_t>(rect.width) * static_cast<size_t>(rect.height);
-}
-
 class OcclusionGrid {
 public:
     static constexpr float kFarthest = 1.0f; ///< zmax: the depth of a pixel never drawn into

@@ -3,6 +3,7 @@
 
 #include <occlude/backends/cpu_fast/detail/prim.h>
 #include <occlude/core/aabb.h>
+#include <occlude/core/pixel_rect.h>
 #include <occlude/core/view.h>
 
 #include <glm/mat4x4.hpp>
@@ -23,10 +24,7 @@ struct Grid {
 
     Grid() = default;
     Grid(glm::ivec2 size_px, int cell_px);
-    size_t tile_count() const
-    {
-        return static_cast<size_t>(size_tiles.x) * static_cast<size_t>(size_tiles.y);
-    }
+    size_t tile_count() const { return pixel_count(size_tiles); }
 };
 
 /// How one instance of a mesh comes onto the grid.

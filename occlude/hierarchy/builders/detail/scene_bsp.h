@@ -63,7 +63,7 @@ public:
     /// Starts an update: links what was added or moved to the cells where it stands now, and
     /// rebuilds a subtree if one is due. True if anything has changed.
     bool update(std::span<const ItemBounds> bounds_by_item);
-    /// True if the hierarchy must be laid out anew: there are other nodes, or more than one object
+    /// True if the hierarchy needs a new layout: there are other nodes, or more than one object
     /// in kObjectsPerStaleLink is drawn with a cell to which it is no longer linked.
     bool needs_layout() const;
     void finish_layout();
