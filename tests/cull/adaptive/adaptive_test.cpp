@@ -18,7 +18,7 @@ using test::look_ahead;
 using test::row_tree;
 
 // A device whose hints say that a triangle costs 1 us, a query `us_per_test`, a round nothing.
-DeviceScript priced(float us_per_test, std::vector<uint32_t> visible)
+DeviceScript priced(float us_per_test, const std::vector<uint32_t>& visible)
 {
     std::vector<NodeId> nodes;
     for (const uint32_t node : visible) {
