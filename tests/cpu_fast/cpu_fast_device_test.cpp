@@ -65,7 +65,8 @@ TEST(CpuFastDevice, EveryExactAlgorithmShowsThePixelsOfAllItemsAndCulls)
         SCOPED_TRACE(name);
         CpuDevice renderer(drawn);
         CpuDevice reference(drawn);
-        CpuFastDevice device(&renderer, walk.occluders, {.min_px_per_triangle = 0.0f});
+        CpuFastDevice device(&renderer, walk.occluders,
+                             {.buffer = {.cell_px = 1}, .min_px_per_triangle = 0.0f});
         const auto culler = make_culler(name, walk.hierarchy);
         ASSERT_TRUE(culler);
         uint64_t items = 0;

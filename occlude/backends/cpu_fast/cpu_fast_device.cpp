@@ -115,7 +115,7 @@ void CpuFastDevice::rasterize_waiting()
 // 0 samples if all boxes of the test are hidden or outside; lost if nothing is known of one.
 Answer CpuFastDevice::answer(std::span<const QueryBox> boxes, size_t first_bounds) const
 {
-    if (boxes.empty() || buffer_.depth().empty()) {
+    if (boxes.empty() || buffer_.size_cells().x == 0) {
         return Answer::lost();
     }
     bool seen = false;

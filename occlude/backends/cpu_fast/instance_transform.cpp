@@ -9,6 +9,7 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 namespace occlude::cpu_fast {
@@ -42,8 +43,8 @@ Grid::Grid(glm::ivec2 size, int cell)
     : size_px(size)
     , cell_px(cell)
     , size_cells((size + cell - 1) / cell)
-    , size_tiles((size_cells.x + kTileWidth - 1) / kTileWidth,
-                 (size_cells.y + kTileHeight - 1) / kTileHeight)
+    , size_bins((size_cells.x + kBinWidth - 1) / kBinWidth,
+                (size_cells.y + kBinHeight - 1) / kBinHeight)
 {
 }
 
@@ -94,12 +95,15 @@ InstanceTransform::InstanceTransform(const View& view, const Grid& grid,
 
     std::array<glm::vec4, 8> corners;
     float box_w = kInfinity;
+    nearest = 1.0f;
     for (size_t i = 0; i < corners.size(); ++i) {
         const glm::vec3 p{(i & 1) != 0 ? box.max.x : box.min.x,
                           (i & 2) != 0 ? box.max.y : box.min.y,
                           (i & 4) != 0 ? box.max.z : box.min.z};
         corners[i] = column[0] * p.x + column[1] * p.y + column[2] * p.z + column[3];
         box_w = std::min(box_w, corners[i].w);
+        tie_break = 31 * tie_break + std::bit_cast<uint32_t>(corners[i].x + corners[i].y);
+        nearest = std::min(nearest, corners[i].w > 0.0f ? corners[i].z / corners[i].w : 0.0f);
     }
     const double displacement = box_w > 0.0f ? std::clamp(moved / (0.99 * double{box_w}),
                                                           double{Growth::kLeastDisplacement},

@@ -1,8 +1,5 @@
 #include <occlude/backends/cpu_fast/detail/mesh_setup.h>
 
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,314 +7,219 @@ namespace occlude::cpu_fast {
 
 namespace {
 
-// Why a vertex cannot be used as it is: bits of its code.
-constexpr unsigned kBeforeLeastW = 1;
-constexpr unsigned kBeforeNear = 2;
-constexpr unsigned kBeyondGuardLeft = 4;
-constexpr unsigned kBeyondGuardRight = 8;
-constexpr unsigned kBeyondGuardBottom = 16;
-constexpr unsigned kBeyondGuardTop = 32;
-constexpr unsigned kNotFinite = 64;
+// More bins than this: which of them a prim meets is worth finding out.
+constexpr int kFewBins = 3;
 
-// Where an edge of a clipped polygon comes from, besides the three edges of its triangle.
-constexpr uint8_t kCutEdge = 3;
-constexpr uint8_t kGuardEdge = 4; // far off the screen
-
-int32_t snapped(double cells)
+// Grids reach beyond the view to the end of their sub-tiles.
+glm::ivec2 whole_sub_tiles(glm::ivec2 size)
 {
-    return static_cast<int32_t>(std::nearbyint(cells * kSubcells));
-}
-
-int64_t area(const Corner& a, const Corner& b, const Corner& c)
-{
-    return int64_t{b.x - a.x} * (c.y - a.y) - int64_t{b.y - a.y} * (c.x - a.x);
+    return {(size.x + kSubTileWidth - 1) / kSubTileWidth * kSubTileWidth,
+            (size.y + kSubTileHeight - 1) / kSubTileHeight * kSubTileHeight};
 }
 
 } // namespace
 
 void MeshSetup::add(const OccluderMesh& mesh, const InstanceTransform& transform, const Grid& grid,
-                    PrimBatch& out)
+                    const SetupKernels& kernels, PrimBatch& out)
 {
     if (!transform.usable || mesh.empty()) {
         return;
     }
     grid_ = grid;
     out_ = &out;
-    z_slack_ = transform.z_slack;
-    growth_ = transform.growth;
-    transform_vertices(mesh, transform);
-    classify(mesh, transform);
+    transform_ = &transform;
+    kernels_ = &kernels;
+    setup_ = TriangleSetup{};
+    setup_.size = whole_sub_tiles(grid.size_cells);
+    setup_.growth = transform.growth;
+    any_code_ = kernels.transform(mesh.positions(), transform, vertices_);
+    polygons_.clear();
+    classify(mesh);
     for (const OccluderMesh::Piece& piece : mesh.pieces()) {
         for (const int8_t facing : {int8_t{1}, int8_t{-1}}) {
-            if (side_wanted(mesh, piece, facing, transform)) {
-                emit_piece(mesh, piece, facing);
+            if (side_wanted(mesh, piece, facing)) {
+                add_piece(mesh, piece, facing);
             }
         }
     }
+    add_loose(mesh);
 }
 
 // A closed piece that is seen as a whole is hidden from the inside by its own outside.
 bool MeshSetup::side_wanted(const OccluderMesh& mesh, const OccluderMesh::Piece& piece,
-                            int8_t facing, const InstanceTransform& transform) const
+                            int8_t facing) const
 {
-    const bool counterclockwise = static_cast<float>(facing) * transform.front_sign > 0.0f;
+    const bool counterclockwise = static_cast<float>(facing) * transform_->front_sign > 0.0f;
     if (mesh.faces() != MeshFaces::both) {
         return counterclockwise == (mesh.faces() == MeshFaces::counterclockwise);
     }
-    return !piece.closed || any_clipped_ || counterclockwise == piece.outward;
+    return !piece.closed || any_code_ != 0 || counterclockwise == piece.outward;
 }
 
-void MeshSetup::transform_vertices(const OccluderMesh& mesh, const InstanceTransform& transform)
+uint32_t MeshSetup::codes_of(const Triangle& t) const
 {
-    const std::span<const glm::vec3> positions = mesh.positions();
-    if (vertices_.size() < positions.size()) {
-        vertices_.resize(positions.size());
-    }
-    const std::array<glm::vec4, 4>& column = transform.column;
-    for (size_t i = 0; i < positions.size(); ++i) {
-        const glm::vec3& p = positions[i];
-        const glm::vec4 c = column[0] * p.x + column[1] * p.y + column[2] * p.z + column[3];
-        unsigned code = c.w >= transform.least_w ? 0u : kBeforeLeastW;
-        code |= c.z < transform.least_z ? kBeforeNear : 0u;
-        code |= c.x < transform.guard_low.x * c.w ? kBeyondGuardLeft : 0u;
-        code |= c.x > transform.guard_high.x * c.w ? kBeyondGuardRight : 0u;
-        code |= c.y < transform.guard_low.y * c.w ? kBeyondGuardBottom : 0u;
-        code |= c.y > transform.guard_high.y * c.w ? kBeyondGuardTop : 0u;
-        code |= 0.0f * (c.x + c.y + c.z + c.w) == 0.0f ? 0u : kNotFinite;
-        Vertex& vertex = vertices_[i];
-        vertex.clip = c;
-        vertex.code = static_cast<uint8_t>(code);
-        if (code == 0) {
-            const float inverse_w = 1.0f / c.w;
-            vertex.corner = {static_cast<int32_t>(
-                                 std::nearbyint(c.x * inverse_w * static_cast<float>(kSubcells))),
-                             static_cast<int32_t>(
-                                 std::nearbyint(c.y * inverse_w * static_cast<float>(kSubcells))),
-                             std::max(c.z * inverse_w + z_slack_, 0.0f)};
-        }
-    }
+    return vertices_.code[t[0]] | vertices_.code[t[1]] | vertices_.code[t[2]];
 }
 
-// Which way each triangle faces.
-void MeshSetup::classify(const OccluderMesh& mesh, const InstanceTransform& transform)
+// Which way each triangle of the pieces faces.
+void MeshSetup::classify(const OccluderMesh& mesh)
 {
-    const std::span<const OccluderMesh::Triangle> triangles = mesh.triangles();
+    const std::span<const Triangle> triangles = mesh.triangles().first(mesh.loose_begin());
     if (facings_.size() < triangles.size()) {
         facings_.resize(triangles.size());
         polygon_of_.resize(triangles.size());
     }
-    polygons_.clear();
-    any_clipped_ = false;
+    kernels_->facings(triangles, vertices_, facings_.data());
+    if (any_code_ == 0) {
+        return;
+    }
     for (size_t t = 0; t < triangles.size(); ++t) {
-        const Vertex& a = vertices_[triangles[t].corners[0]];
-        const Vertex& b = vertices_[triangles[t].corners[1]];
-        const Vertex& c = vertices_[triangles[t].corners[2]];
-        if ((a.code | b.code | c.code) == 0) {
-            const int64_t twice = area(a.corner, b.corner, c.corner);
-            facings_[t] = static_cast<int8_t>(twice > 0 ? 1 : twice < 0 ? -1 : 0);
-            continue;
+        if (codes_of(triangles[t]) != 0) {
+            polygon_of_[t] = static_cast<uint32_t>(polygons_.size());
+            facings_[t] = clip_triangle(mesh, triangles[t]);
         }
-        any_clipped_ = true;
-        const bool gone =
-            (a.code & b.code & c.code) != 0 || ((a.code | b.code | c.code) & kNotFinite) != 0;
-        polygon_of_[t] = static_cast<uint32_t>(polygons_.size());
-        facings_[t] = gone ? int8_t{0} : clipped_facing(triangles[t], transform);
     }
 }
 
 // Clips the triangle, and keeps the polygon if all triangles of its fan face the same way.
-int8_t MeshSetup::clipped_facing(const OccluderMesh::Triangle& triangle,
-                                 const InstanceTransform& transform)
+int8_t MeshSetup::clip_triangle(const OccluderMesh& mesh, const Triangle& triangle)
 {
+    const uint32_t shared =
+        vertices_.code[triangle[0]] & vertices_.code[triangle[1]] & vertices_.code[triangle[2]];
+    if (shared != 0 || (codes_of(triangle) & kNotFinite) != 0) {
+        return 0;
+    }
     Polygon polygon;
     for (uint8_t i = 0; i < 3; ++i) {
-        const Vertex& vertex = vertices_[triangle.corners[i]];
-        polygon.corners[i] = {glm::dvec4{vertex.clip}, vertex.corner, vertex.code == 0, i};
+        const uint32_t v = triangle[i];
+        polygon.corners[i] = {glm::dvec4{clip_position(*transform_, mesh.positions()[v])},
+                              vertices_.corner(v), vertices_.code[v] == 0, i};
     }
     polygon.count = 3;
-    clip(transform, polygon);
-    if (polygon.count < 3) {
-        return 0;
+    clip(*transform_, polygon);
+    const int8_t facing = polygon.facing();
+    if (facing != 0) {
+        polygons_.push_back(polygon);
     }
-    bool left = true;
-    bool right = true;
-    for (size_t i = 2; i < polygon.count; ++i) {
-        const int64_t twice = area(polygon.corners[0].corner, polygon.corners[i - 1].corner,
-                                   polygon.corners[i].corner);
-        left = left && twice > 0;
-        right = right && twice < 0;
-    }
-    if (!left && !right) {
-        return 0;
-    }
-    polygons_.push_back(polygon);
-    return left ? int8_t{1} : int8_t{-1};
+    return facing;
 }
 
-// Sutherland and Hodgman. An edge is cut from its inside to its outside, whichever way it runs, so
-// that both of its triangles find the same point; vertices that need no clipping count as inside.
-void MeshSetup::clip(const InstanceTransform& transform, Polygon& polygon) const
+// Triangles without neighbours, whichever way they face. One that is clipped is a piece.
+void MeshSetup::add_loose(const OccluderMesh& mesh)
 {
-    struct Plane {
-        glm::dvec4 normal;
-        double offset;
-        uint8_t edge;
-    };
-    const glm::dvec2 low{transform.guard_low};
-    const glm::dvec2 high{transform.guard_high};
-    const std::array<Plane, 6> planes{{
-        {{0.0, 0.0, 0.0, 1.0}, double{transform.least_w}, kCutEdge},
-        {{0.0, 0.0, 1.0, 0.0}, double{transform.least_z}, kCutEdge},
-        {{1.0, 0.0, 0.0, -low.x}, 0.0, kGuardEdge},
-        {{-1.0, 0.0, 0.0, high.x}, 0.0, kGuardEdge},
-        {{0.0, 1.0, 0.0, -low.y}, 0.0, kGuardEdge},
-        {{0.0, -1.0, 0.0, high.y}, 0.0, kGuardEdge},
-    }};
-    for (const Plane& plane : planes) {
-        if (std::isinf(plane.offset)) {
-            continue; // no near plane
-        }
-        const auto distance = [&](const PolygonCorner& corner) {
-            const double d = glm::dot(plane.normal, corner.clip) - plane.offset;
-            return corner.given ? std::max(d, 0.0) : d;
-        };
-        Polygon kept;
-        for (size_t i = 0; i < polygon.count; ++i) {
-            const PolygonCorner& from = polygon.corners[i];
-            const PolygonCorner& to = polygon.corners[(i + 1) % polygon.count];
-            const double d_from = distance(from);
-            const double d_to = distance(to);
-            const bool from_inside = d_from >= 0.0;
-            const bool to_inside = d_to >= 0.0;
-            if (from_inside) {
-                kept.corners[kept.count++] = from;
-            }
-            if (from_inside != to_inside) {
-                const PolygonCorner& in = from_inside ? from : to;
-                const PolygonCorner& out = from_inside ? to : from;
-                const double t = from_inside ? d_from / (d_from - d_to) : d_to / (d_to - d_from);
-                PolygonCorner& cut = kept.corners[kept.count++];
-                cut.clip = in.clip + t * (out.clip - in.clip);
-                cut.given = false;
-                cut.edge = from_inside ? plane.edge : from.edge;
-            }
-        }
-        polygon = kept;
+    const std::span<const Triangle> loose = mesh.triangles().subspan(mesh.loose_begin());
+    const bool counterclockwise =
+        (mesh.faces() == MeshFaces::counterclockwise) == (transform_->front_sign > 0.0f);
+    setup_.counterclockwise = mesh.faces() == MeshFaces::both || counterclockwise;
+    setup_.clockwise = mesh.faces() == MeshFaces::both || !counterclockwise;
+    const size_t first_prim = out_->prims.size();
+    if (any_code_ == 0) {
+        add_triangles(loose, PrimKind::alone);
+        bin_from(first_prim);
+        return;
     }
-    snap(polygon);
-}
-
-// Gives the corners that clipping made their places on the grid, and drops edges of length 0.
-void MeshSetup::snap(Polygon& polygon) const
-{
-    for (size_t i = 0; i < polygon.count; ++i) {
-        PolygonCorner& corner = polygon.corners[i];
-        if (!corner.given) {
-            const glm::dvec4& c = corner.clip;
-            corner.corner = {snapped(c.x / c.w), snapped(c.y / c.w),
-                             std::max(static_cast<float>(c.z / c.w) + z_slack_ + 0x1p-24f, 0.0f)};
+    alone_.clear();
+    std::ranges::copy_if(loose, std::back_inserter(alone_),
+                         [&](const Triangle& t) { return codes_of(t) == 0; });
+    add_triangles(alone_, PrimKind::alone);
+    bin_from(first_prim);
+    for (const Triangle& t : loose) {
+        if (codes_of(t) == 0) {
+            continue;
+        }
+        const int8_t facing = clip_triangle(mesh, t);
+        if (facing > 0 ? setup_.counterclockwise : facing < 0 && setup_.clockwise) {
+            const size_t first = out_->prims.size();
+            add_polygon(polygons_.back(), {true, true, true});
+            finish_piece(first);
         }
     }
-    size_t kept = 0;
-    for (size_t i = 0; i < polygon.count; ++i) {
-        const Corner& here = polygon.corners[i].corner;
-        const Corner& next = polygon.corners[(i + 1) % polygon.count].corner;
-        if (here.x != next.x || here.y != next.y) {
-            polygon.corners[kept++] = polygon.corners[i];
-        } else {
-            // The next corner takes its place, with the farther depth of both.
-            Corner& other = polygon.corners[(i + 1) % polygon.count].corner;
-            other.z = std::max(other.z, here.z);
-        }
-    }
-    polygon.count = kept;
 }
 
 // The triangles of a piece that face one way, and the edges that they share with none of them.
-void MeshSetup::emit_piece(const OccluderMesh& mesh, const OccluderMesh::Piece& piece,
-                           int8_t facing)
+void MeshSetup::add_piece(const OccluderMesh& mesh, const OccluderMesh::Piece& piece, int8_t facing)
 {
     const size_t first_prim = out_->prims.size();
-    const std::span<const OccluderMesh::Triangle> triangles = mesh.triangles();
+    const std::span<const Triangle> triangles = mesh.triangles();
+    setup_.piece = out_->piece_count;
+    setup_.counterclockwise = facing > 0;
+    setup_.clockwise = facing < 0;
+    alone_.clear();
+    joined_.clear();
     for (uint32_t t = piece.first; t < piece.first + piece.count; ++t) {
         if (facings_[t] != facing) {
             continue;
         }
-        const OccluderMesh::Triangle& triangle = triangles[t];
+        const Triangle& triangle = triangles[t];
         std::array<bool, 3> open{};
-        unsigned needs_clipping = 0;
         for (size_t i = 0; i < 3; ++i) {
-            const uint32_t mate = triangle.mates[i];
+            const uint32_t mate = mesh.mates()[t][i];
             open[i] = mate == OccluderMesh::kNoTriangle || facings_[mate] != facing;
-            needs_clipping |= vertices_[triangle.corners[i]].code;
         }
-        if (needs_clipping != 0) {
-            emit_polygon(polygons_[polygon_of_[t]], open, facing);
+        if (any_code_ != 0 && codes_of(triangle) != 0) {
+            add_polygon(polygons_[polygon_of_[t]], open);
             continue;
         }
-        const Corner& a = vertices_[triangle.corners[0]].corner;
-        const Corner& b = vertices_[triangle.corners[1]].corner;
-        const Corner& c = vertices_[triangle.corners[2]].corner;
-        const bool alone = open[0] && open[1] && open[2];
-        emit_triangle(a, facing > 0 ? b : c, facing > 0 ? c : b,
-                      alone ? PrimKind::alone : PrimKind::triangle);
-        if (!alone) {
-            const std::array<const Corner*, 4> corners{&a, &b, &c, &a};
-            for (size_t i = 0; i < 3; ++i) {
-                if (open[i]) {
-                    emit_edge(*corners[i], *corners[i + 1]);
-                }
+        if (open[0] && open[1] && open[2]) {
+            alone_.push_back(triangle);
+            continue;
+        }
+        joined_.push_back(triangle);
+        for (size_t i = 0; i < 3; ++i) {
+            if (open[i]) {
+                add_edge(vertices_.corner(triangle[i]), vertices_.corner(triangle[(i + 1) % 3]));
             }
         }
     }
+    add_triangles(joined_, PrimKind::triangle);
     finish_piece(first_prim);
+    const size_t first_alone = out_->prims.size();
+    add_triangles(alone_, PrimKind::alone);
+    bin_from(first_alone);
 }
 
-void MeshSetup::emit_polygon(const Polygon& polygon, const std::array<bool, 3>& open, int8_t facing)
+void MeshSetup::add_triangles(std::span<const Triangle> triangles, PrimKind kind)
 {
+    if (!triangles.empty()) {
+        setup_.kind = kind;
+        out_->prims.add(kernels_->triangles(triangles, vertices_, setup_,
+                                            out_->prims.reserve(triangles.size())));
+    }
+}
+
+void MeshSetup::add_polygon(const Polygon& polygon, const std::array<bool, 3>& open)
+{
+    setup_.kind = PrimKind::triangle;
+    setup_.piece = out_->piece_count;
     const auto corner = [&](size_t i) -> const Corner& {
         return polygon.corners[i % polygon.count].corner;
     };
     for (size_t i = 2; i < polygon.count; ++i) {
-        emit_triangle(corner(0), corner(facing > 0 ? i - 1 : i), corner(facing > 0 ? i : i - 1),
-                      PrimKind::triangle);
+        const bool added =
+            make_triangle(corner(0), corner(i - 1), corner(i), setup_, *out_->prims.reserve(1));
+        out_->prims.add(added ? 1 : 0);
     }
     for (size_t i = 0; i < polygon.count; ++i) {
         const uint8_t edge = polygon.corners[i].edge;
         if (edge == kCutEdge || (edge < 3 && open[edge])) {
-            emit_edge(corner(i), corner(i + 1));
+            add_edge(corner(i), corner(i + 1));
         }
     }
 }
 
-void MeshSetup::emit_triangle(const Corner& a, const Corner& b, const Corner& c, PrimKind kind)
+void MeshSetup::add_edge(const Corner& a, const Corner& b)
 {
-    Prim prim;
-    if (make_triangle(a, b, c, kind, growth_, grid_.size_cells, prim)) {
-        prim.piece = out_->piece_count;
-        out_->prims.push_back(prim);
-    }
+    out_->prims.add(make_edge(a, b, setup_, *out_->prims.reserve(1)) ? 1 : 0);
 }
 
-void MeshSetup::emit_edge(const Corner& a, const Corner& b)
-{
-    Prim prim;
-    if (make_edge(a, b, growth_, grid_.size_cells, prim)) {
-        prim.piece = out_->piece_count;
-        out_->prims.push_back(prim);
-    }
-}
-
-// Hands the prims since `first_prim` to the tiles that need them, if they can fill a cell at all.
+// Hands the prims since `first_prim` to the bins that need them, if they can fill a cell at all.
 void MeshSetup::finish_piece(size_t first_prim)
 {
-    std::vector<Prim>& prims = out_->prims;
+    PrimList& prims = out_->prims;
     int triangles = 0;
-    int width = 0;
-    int height = 0;
     CellRect all{INT16_MAX, INT16_MAX, INT16_MIN, INT16_MIN};
     for (size_t i = first_prim; i < prims.size(); ++i) {
-        if (prims[i].kind != PrimKind::edge) {
+        if (prims[i].kind() != PrimKind::edge) {
             ++triangles;
             const CellRect& cells = prims[i].cells;
             all.x0 = std::min(all.x0, cells.x0);
@@ -326,35 +228,69 @@ void MeshSetup::finish_piece(size_t first_prim)
             all.y1 = std::max(all.y1, cells.y1);
         }
     }
-    width = all.x1 - all.x0;
-    height = all.y1 - all.y0;
+    const int width = all.x1 - all.x0;
+    const int height = all.y1 - all.y0;
     // A cell that is covered whole has neighbours that are touched, but for the border of the grid.
-    const bool on_border = all.x0 == 0 || all.y0 == 0 || all.x1 == grid_.size_cells.x - 1 ||
-                           all.y1 == grid_.size_cells.y - 1;
+    const bool on_border =
+        all.x0 == 0 || all.y0 == 0 || all.x1 == setup_.size.x - 1 || all.y1 == setup_.size.y - 1;
     if (triangles == 0 || (!on_border && (width < 2 || height < 2))) {
-        prims.resize(first_prim);
+        prims.shrink(first_prim);
         return;
     }
-    for (size_t i = first_prim; i < prims.size(); ++i) {
+    bin_from(first_prim);
+    ++out_->piece_count;
+}
+
+void MeshSetup::bin_from(size_t first_prim)
+{
+    for (size_t i = first_prim; i < out_->prims.size(); ++i) {
         bin(static_cast<uint32_t>(i));
     }
-    ++out_->piece_count;
 }
 
 void MeshSetup::bin(uint32_t index)
 {
     const Prim& prim = out_->prims[index];
     const CellRect& cells = prim.cells;
-    const int tx0 = cells.x0 / kTileWidth;
-    const int tx1 = cells.x1 / kTileWidth;
-    const int ty0 = cells.y0 / kTileHeight;
-    const int ty1 = cells.y1 / kTileHeight;
-    const bool many = (tx1 - tx0 + 1) * (ty1 - ty0 + 1) > 3;
+    const int tx0 = cells.x0 / kBinWidth;
+    const int tx1 = cells.x1 / kBinWidth;
+    const int ty0 = cells.y0 / kBinHeight;
+    const int ty1 = cells.y1 / kBinHeight;
+    const auto bin_at = [&](int tx, int ty) -> std::vector<uint32_t>& {
+        return out_->bins[static_cast<size_t>(ty * grid_.size_bins.x + tx)];
+    };
+    if (tx0 == tx1 && ty0 == ty1) {
+        bin_at(tx0, ty0).push_back(index);
+        return;
+    }
+    const bool few = (tx1 - tx0 + 1) * (ty1 - ty0 + 1) <= kFewBins;
     for (int ty = ty0; ty <= ty1; ++ty) {
-        for (int tx = tx0; tx <= tx1; ++tx) {
-            if (!many || meets_tile(prim, tx, ty)) {
-                out_->tiles[static_cast<size_t>(ty * grid_.size_tiles.x + tx)].push_back(index);
+        int first = tx0;
+        int last = tx1;
+        if (!few) {
+            // The columns that the lines leave of the rows of these bins, and one to spare.
+            const auto low_row =
+                static_cast<float>(std::max(ty * kBinHeight, int{cells.y0}) - cells.y0);
+            const auto high_row =
+                static_cast<float>(std::min((ty + 1) * kBinHeight - 1, int{cells.y1}) - cells.y0);
+            const auto least = [&](const Line& line) {
+                return std::min(line.slope * low_row, line.slope * high_row) + line.at;
+            };
+            const auto most = [&](const Line& line) {
+                return std::max(line.slope * low_row, line.slope * high_row) + line.at;
+            };
+            const float width = static_cast<float>(cells.x1 - cells.x0) + 1.0f;
+            const float from = std::max(least(prim.left[0]), least(prim.left[1])) - 1.0f;
+            const float to = std::min(most(prim.right[0]), most(prim.right[1])) + 1.0f;
+            if (from > width || to < 0.0f) {
+                continue;
             }
+            first =
+                std::max(first, (cells.x0 + static_cast<int>(std::max(from, 0.0f))) / kBinWidth);
+            last = std::min(last, (cells.x0 + static_cast<int>(std::min(to, width))) / kBinWidth);
+        }
+        for (int tx = first; tx <= last; ++tx) {
+            bin_at(tx, ty).push_back(index);
         }
     }
 }

@@ -1,24 +1,28 @@
 #include <occlude/backends/cpu_fast/occluder_buffer.h>
 
+#include <occlude/backends/cpu_fast/detail/bin_raster.h>
+#include <occlude/backends/cpu_fast/detail/masked_depth.h>
 #include <occlude/backends/cpu_fast/detail/mesh_setup.h>
-#include <occlude/backends/cpu_fast/detail/tile_raster.h>
 #include <occlude/backends/cpu_fast/detail/workers.h>
 #include <occlude/core/assert.h>
-#include <occlude/screen/depth_pyramid.h>
 #include <occlude/screen/projection.h>
 
 #include <algorithm>
 #include <array>
+#include <tuple>
 #include <vector>
 
 namespace occlude {
 
 namespace {
 
-// Instances are handed to threads in this many batches each, so that none waits long for another.
+// A round is set up and filled before the next one starts: its prims stay in the caches. It is
+// handed to threads in several batches each, so that none waits long for another.
 constexpr size_t kBatchesPerThread = 4;
+constexpr size_t kTrianglesPerThread = 4096;
 
 constexpr size_t kBoxesAtOnce = 64;
+constexpr size_t kInstancesAtOnce = 64; // of which one thread finds the places
 
 // The pixels of the rectangle inside of a target of this size; without overflow.
 PixelRect clipped(const PixelRect& rect, glm::ivec2 size)
@@ -40,14 +44,18 @@ struct OccluderBuffer::State {
     struct Instance {
         const OccluderMesh* mesh;
         glm::mat4 world_from_mesh;
+        cpu_fast::InstanceTransform transform;
     };
 
     explicit State(const OccluderBufferOptions& given);
 
+    void place(size_t chunk);
+    void sort_instances();
+    void make_batches(size_t begin);
     void set_up(size_t batch);
-    void fill(size_t tile);
-    void refresh();
-    PixelRect cells_of(const PixelRect& rect_px) const;
+    void fill(size_t bin);
+    std::span<const float> expanded_depth();
+    cpu_fast::CellRect cells_of(const PixelRect& rect_px) const;
     Visibility test(const PixelRect& rect_px, float nearest) const;
 
     OccluderBufferOptions options;
@@ -55,12 +63,15 @@ struct OccluderBuffer::State {
     View view;
     cpu_fast::Grid grid;
     std::vector<Instance> pending;
-    std::vector<size_t> batch_ends; ///< into `pending`
+    std::vector<uint32_t> order; ///< into `pending`, near ones first
+    size_t batches_begin = 0;    ///< of a round, into `order`
+    std::vector<size_t> batch_ends;
+    size_t triangles_per_batch = 0;
     std::vector<cpu_fast::PrimBatch> batches;
     std::vector<cpu_fast::MeshSetup> setups; ///< one per batch
-    std::span<float> depth;
-    DepthPyramid pyramid; ///< its pixels are the cells
-    bool pyramid_fresh = false;
+    cpu_fast::MaskedDepth depth;
+    std::vector<float> expanded; ///< depth by cells, where somebody asked for it
+    bool expanded_fresh = false;
     OccluderStatistics statistics;
 };
 
@@ -71,6 +82,7 @@ OccluderBuffer::State::State(const OccluderBufferOptions& given)
     options.cell_px = std::clamp(options.cell_px, 1, 16);
     batches.resize(workers.count() > 1 ? workers.count() * kBatchesPerThread : 1);
     setups.resize(batches.size());
+    triangles_per_batch = kTrianglesPerThread * workers.count() / batches.size();
 }
 
 OccluderBuffer::OccluderBuffer(const OccluderBufferOptions& options)
@@ -93,48 +105,90 @@ void OccluderBuffer::begin(const View& view)
     const bool usable =
         view.usable() && size.x > 0 && size.y > 0 && size.x <= most && size.y <= most;
     s.grid = usable ? cpu_fast::Grid(size, s.options.cell_px) : cpu_fast::Grid{};
-    s.depth = s.pyramid.resize(s.grid.size_cells);
-    std::ranges::fill(s.depth, 1.0f);
-    s.pyramid_fresh = false;
+    s.depth.clear(s.grid);
+    s.expanded_fresh = false;
 }
 
 void OccluderBuffer::add(const OccluderMesh& mesh, const glm::mat4& world_from_mesh)
 {
-    if (!state_->depth.empty() && !mesh.empty()) {
-        state_->pending.push_back({&mesh, world_from_mesh});
+    if (state_->grid.bin_count() != 0 && !mesh.empty()) {
+        state_->pending.push_back({&mesh, world_from_mesh, {}});
     }
+}
+
+// Finds where one chunk of the instances lies.
+void OccluderBuffer::State::place(size_t chunk)
+{
+    const size_t end = std::min((chunk + 1) * kInstancesAtOnce, pending.size());
+    for (size_t i = chunk * kInstancesAtOnce; i < end; ++i) {
+        Instance& instance = pending[i];
+        instance.transform =
+            cpu_fast::InstanceTransform(view, grid, instance.world_from_mesh, instance.mesh->box());
+    }
+}
+
+// Leaves out what is outside, and puts near ones to the front: what is filled first hides most, and
+// the two layers of the masked depth lose least.
+void OccluderBuffer::State::sort_instances()
+{
+    order.clear();
+    for (uint32_t i = 0; i < pending.size(); ++i) {
+        if (pending[i].transform.usable) {
+            order.push_back(i);
+            statistics.triangles += pending[i].mesh->triangles().size();
+        }
+    }
+    std::ranges::sort(order, {}, [&](uint32_t i) {
+        const cpu_fast::InstanceTransform& transform = pending[i].transform;
+        return std::tuple{transform.nearest, transform.tie_break, i};
+    });
+    statistics.instances += order.size();
+}
+
+// The instances of the round that starts at `begin`, in batches of about as many triangles each.
+void OccluderBuffer::State::make_batches(size_t begin)
+{
+    batch_ends.clear();
+    size_t in_batch = 0;
+    size_t i = begin;
+    for (; i < order.size() && batch_ends.size() < batches.size(); ++i) {
+        in_batch += pending[order[i]].mesh->triangles().size();
+        if (in_batch >= triangles_per_batch) {
+            batch_ends.push_back(i + 1);
+            in_batch = 0;
+        }
+    }
+    if (in_batch != 0) {
+        batch_ends.push_back(i);
+    }
+    batches_begin = begin;
 }
 
 // Transforms one batch of instances.
 void OccluderBuffer::State::set_up(size_t batch)
 {
     cpu_fast::PrimBatch& out = batches[batch];
-    out.clear(grid.tile_count());
-    const size_t begin = batch == 0 ? 0 : batch_ends[batch - 1];
+    out.clear(grid.bin_count());
+    const cpu_fast::SetupKernels& kernels = cpu_fast::setup_kernels(options.kernel);
+    const size_t begin = batch == 0 ? batches_begin : batch_ends[batch - 1];
     for (size_t i = begin; i < batch_ends[batch]; ++i) {
-        const OccluderMesh& mesh = *pending[i].mesh;
-        const cpu_fast::InstanceTransform transform(view, grid, pending[i].world_from_mesh,
-                                                    mesh.box());
-        if (transform.usable) {
-            ++out.instances;
-            out.triangles += mesh.triangles().size();
-            setups[batch].add(mesh, transform, grid, out);
-        }
+        const Instance& instance = pending[order[i]];
+        setups[batch].add(*instance.mesh, instance.transform, grid, kernels, out);
     }
 }
 
-void OccluderBuffer::State::fill(size_t tile)
+void OccluderBuffer::State::fill(size_t bin)
 {
-    cpu_fast::PieceTile scratch;
-    const int tx = static_cast<int>(tile) % grid.size_tiles.x;
-    const int ty = static_cast<int>(tile) / grid.size_tiles.x;
-    const int x = tx * cpu_fast::kTileWidth;
-    const int y = ty * cpu_fast::kTileHeight;
-    const cpu_fast::DepthTile target{
-        depth.data() + static_cast<ptrdiff_t>(y) * grid.size_cells.x + x, grid.size_cells.x,
-        std::min(cpu_fast::kTileWidth, grid.size_cells.x - x)};
-    cpu_fast::fill_tile(cpu_fast::tile_kernels(options.kernel),
-                        std::span{batches}.first(batch_ends.size()), tx, ty, tile, target, scratch);
+    const auto used = std::span{batches}.first(batch_ends.size());
+    if (std::ranges::all_of(used, [&](const auto& batch) { return batch.bins[bin].empty(); })) {
+        return;
+    }
+    cpu_fast::PieceBin scratch;
+    const auto across = static_cast<size_t>(grid.size_bins.x);
+    const int x = static_cast<int>(bin % across) * cpu_fast::kBinWidth;
+    const int y = static_cast<int>(bin / across) * cpu_fast::kBinHeight;
+    depth.set_farthest(bin, cpu_fast::fill_bin(cpu_fast::bin_kernels(options.kernel), used, bin, x,
+                                               y, depth.farthest(bin), depth.write(bin), scratch));
 }
 
 void OccluderBuffer::rasterize()
@@ -143,49 +197,37 @@ void OccluderBuffer::rasterize()
     if (s.pending.empty()) {
         return;
     }
-    // Batches of about as many triangles each.
-    size_t triangles = 0;
-    for (const State::Instance& instance : s.pending) {
-        triangles += instance.mesh->triangles().size();
-    }
-    const size_t per_batch = triangles / s.batches.size() + 1;
-    s.batch_ends.clear();
-    size_t in_batch = 0;
-    for (size_t i = 0; i < s.pending.size(); ++i) {
-        in_batch += s.pending[i].mesh->triangles().size();
-        if (in_batch >= per_batch && s.batch_ends.size() + 1 < s.batches.size()) {
-            s.batch_ends.push_back(i + 1);
-            in_batch = 0;
+    const size_t chunks = (s.pending.size() + kInstancesAtOnce - 1) / kInstancesAtOnce;
+    s.workers.for_each(chunks, [&](size_t chunk) { s.place(chunk); });
+    s.sort_instances();
+    for (size_t begin = 0; begin < s.order.size(); begin = s.batch_ends.back()) {
+        s.make_batches(begin);
+        s.workers.for_each(s.batch_ends.size(), [&](size_t batch) { s.set_up(batch); });
+        s.workers.for_each(s.grid.bin_count(), [&](size_t bin) { s.fill(bin); });
+        for (size_t i = 0; i < s.batch_ends.size(); ++i) {
+            s.statistics.filled += s.batches[i].prims.size();
         }
     }
-    s.batch_ends.push_back(s.pending.size());
-    s.workers.for_each(s.batch_ends.size(), [&](size_t batch) { s.set_up(batch); });
-    s.workers.for_each(s.grid.tile_count(), [&](size_t tile) { s.fill(tile); });
-    for (size_t i = 0; i < s.batch_ends.size(); ++i) {
-        s.statistics.instances += s.batches[i].instances;
-        s.statistics.triangles += s.batches[i].triangles;
-        s.statistics.filled += s.batches[i].prims.size();
-    }
     s.pending.clear();
-    s.pyramid_fresh = false;
+    s.expanded_fresh = false;
 }
 
-void OccluderBuffer::State::refresh()
+std::span<const float> OccluderBuffer::State::expanded_depth()
 {
-    if (!pyramid_fresh) {
-        pyramid.build(options.kernel);
-        pyramid_fresh = true;
+    if (!expanded_fresh) {
+        expanded.resize(pixel_count(grid.size_cells));
+        depth.expand(expanded);
+        expanded_fresh = true;
     }
+    return expanded;
 }
 
 // The cells that some of the pixels lie in.
-PixelRect OccluderBuffer::State::cells_of(const PixelRect& rect) const
+cpu_fast::CellRect OccluderBuffer::State::cells_of(const PixelRect& rect) const
 {
-    const int cell = options.cell_px;
-    const int x = rect.x / cell;
-    const int y = rect.y / cell;
-    return {x, y, (rect.x + rect.width - 1) / cell - x + 1,
-            (rect.y + rect.height - 1) / cell - y + 1};
+    const auto cell = [&](int px) { return static_cast<int16_t>(px / options.cell_px); };
+    return {cell(rect.x), cell(rect.y), cell(rect.x + rect.width - 1),
+            cell(rect.y + rect.height - 1)};
 }
 
 Visibility OccluderBuffer::State::test(const PixelRect& rect_px, float nearest) const
@@ -194,7 +236,7 @@ Visibility OccluderBuffer::State::test(const PixelRect& rect_px, float nearest) 
     if (rect.width <= 0 || rect.height <= 0) {
         return Visibility::outside;
     }
-    return pyramid.hides(cells_of(rect), nearest) ? Visibility::hidden : Visibility::visible;
+    return depth.hides(cells_of(rect), nearest) ? Visibility::hidden : Visibility::visible;
 }
 
 Visibility OccluderBuffer::test(const Aabb& box_world) const
@@ -207,12 +249,11 @@ Visibility OccluderBuffer::test(const Aabb& box_world) const
 void OccluderBuffer::test(std::span<const Aabb> boxes, std::span<Visibility> results) const
 {
     OCCLUDE_ASSERT(boxes.size() == results.size(), "OccluderBuffer::test needs a result per box");
-    State& s = *state_;
-    if (boxes.size() != results.size() || s.depth.empty()) {
+    const State& s = *state_;
+    if (boxes.size() != results.size() || s.grid.bin_count() == 0) {
         std::ranges::fill(results, Visibility::visible);
         return;
     }
-    s.refresh();
     std::array<ScreenBounds, kBoxesAtOnce> bounds;
     for (size_t first = 0; first < boxes.size(); first += kBoxesAtOnce) {
         const size_t count = std::min(kBoxesAtOnce, boxes.size() - first);
@@ -227,12 +268,8 @@ void OccluderBuffer::test(std::span<const Aabb> boxes, std::span<Visibility> res
 
 Visibility OccluderBuffer::test(const PixelRect& rect_px, float nearest) const
 {
-    State& s = *state_;
-    if (s.depth.empty()) {
-        return Visibility::visible;
-    }
-    s.refresh();
-    return s.test(rect_px, nearest);
+    const State& s = *state_;
+    return s.grid.bin_count() == 0 ? Visibility::visible : s.test(rect_px, nearest);
 }
 
 const View& OccluderBuffer::view() const
@@ -252,7 +289,7 @@ int OccluderBuffer::cell_px() const
 
 std::span<const float> OccluderBuffer::depth() const
 {
-    return state_->depth;
+    return state_->expanded_depth();
 }
 
 const OccluderStatistics& OccluderBuffer::statistics() const
@@ -262,10 +299,12 @@ const OccluderStatistics& OccluderBuffer::statistics() const
 
 bool OccluderBuffer::read_depth(const PixelRect& rect, std::span<float> out) const
 {
-    const State& s = *state_;
-    if (s.depth.empty() || !is_inside(rect, s.grid.size_px) || out.size() != pixel_count(rect)) {
+    State& s = *state_;
+    if (s.grid.bin_count() == 0 || !is_inside(rect, s.grid.size_px) ||
+        out.size() != pixel_count(rect)) {
         return false;
     }
+    const std::span<const float> depth = s.expanded_depth();
     const int cell = s.options.cell_px;
     for (int row = 0; row < rect.height; ++row) {
         float* to = out.data() + static_cast<ptrdiff_t>(row) * rect.width;
@@ -274,7 +313,7 @@ bool OccluderBuffer::read_depth(const PixelRect& rect, std::span<float> out) con
             std::copy(to - rect.width, to, to);
             continue;
         }
-        const float* from = s.depth.data() + static_cast<ptrdiff_t>(y / cell) * s.grid.size_cells.x;
+        const float* from = depth.data() + static_cast<ptrdiff_t>(y / cell) * s.grid.size_cells.x;
         if (cell == 1) {
             std::copy(from + rect.x, from + rect.x + rect.width, to);
             continue;

@@ -38,8 +38,8 @@ std::vector<Side> sides_by_edge(std::span<const OccluderMesh::Triangle> triangle
     sides.reserve(3 * triangles.size());
     for (uint32_t t = 0; t < triangles.size(); ++t) {
         for (uint32_t corner = 0; corner < 3; ++corner) {
-            const uint32_t from = triangles[t].corners[corner];
-            const uint32_t to = triangles[t].corners[(corner + 1) % 3];
+            const uint32_t from = triangles[t][corner];
+            const uint32_t to = triangles[t][(corner + 1) % 3];
             sides.push_back({std::min(from, to), std::max(from, to), t, corner, from > to});
         }
     }
@@ -132,6 +132,7 @@ OccluderMesh OccluderMesh::prepare(const PositionStream& positions,
     mesh.weld(positions, indices, options.welding);
     mesh.connect();
     mesh.sort_pieces();
+    mesh.sort_positions();
     mesh.update_bounds();
     return mesh;
 }
@@ -192,7 +193,7 @@ void OccluderMesh::weld(const PositionStream& positions, std::span<const uint32_
         const bool whole = corners[0] != kNone && corners[1] != kNone && corners[2] != kNone;
         if (whole && corners[0] != corners[1] && corners[1] != corners[2] &&
             corners[2] != corners[0]) {
-            triangles_.push_back({corners, {kNone, kNone, kNone}});
+            triangles_.push_back(corners);
         }
     }
 }
@@ -205,11 +206,12 @@ void OccluderMesh::connect()
         const std::vector<bool> turn = triangles_to_turn(sides, triangles_.size());
         for (size_t t = 0; t < triangles_.size(); ++t) {
             if (turn[t]) {
-                std::swap(triangles_[t].corners[1], triangles_[t].corners[2]);
+                std::swap(triangles_[t][1], triangles_[t][2]);
             }
         }
         sides = sides_by_edge(triangles_);
     }
+    mates_.assign(triangles_.size(), {kNone, kNone, kNone});
     for_each_edge(sides, [&](std::span<const Side> group) {
         size_t down = 0;
         for (const Side& up : group) {
@@ -222,21 +224,22 @@ void OccluderMesh::connect()
             if (down == group.size()) {
                 return;
             }
-            triangles_[up.triangle].mates[up.corner] = group[down].triangle;
-            triangles_[group[down].triangle].mates[group[down].corner] = up.triangle;
+            mates_[up.triangle][up.corner] = group[down].triangle;
+            mates_[group[down].triangle][group[down].corner] = up.triangle;
             ++down;
         }
     });
 }
 
-// Puts the triangles of each piece behind one another, and looks which pieces are closed.
+// Puts the triangles of each piece behind one another, those without mates behind all of them, and
+// looks which pieces are closed.
 void OccluderMesh::sort_pieces()
 {
     const auto count = static_cast<uint32_t>(triangles_.size());
     std::vector<uint32_t> parents(count);
     std::iota(parents.begin(), parents.end(), 0u);
     for (uint32_t t = 0; t < count; ++t) {
-        for (const uint32_t mate : triangles_[t].mates) {
+        for (const uint32_t mate : mates_[t]) {
             if (mate != kNone) {
                 const uint32_t a = find_root(parents, t);
                 const uint32_t b = find_root(parents, mate);
@@ -247,7 +250,8 @@ void OccluderMesh::sort_pieces()
     std::vector<uint32_t> order(count);
     std::iota(order.begin(), order.end(), 0u);
     for (uint32_t t = 0; t < count; ++t) {
-        parents[t] = find_root(parents, t);
+        const bool loose = std::ranges::count(mates_[t], kNone) == 3;
+        parents[t] = loose ? kNone : find_root(parents, t);
     }
     std::ranges::stable_sort(order, {}, [&](uint32_t t) { return parents[t]; });
     std::vector<uint32_t> place(count);
@@ -255,19 +259,50 @@ void OccluderMesh::sort_pieces()
         place[order[i]] = i;
     }
     std::vector<Triangle> sorted(count);
+    std::vector<Mates> sorted_mates(count);
+    loose_begin_ = count;
     for (uint32_t i = 0; i < count; ++i) {
-        sorted[i] = triangles_[order[i]];
-        for (uint32_t& mate : sorted[i].mates) {
+        const uint32_t t = order[i];
+        sorted[i] = triangles_[t];
+        sorted_mates[i] = mates_[t];
+        if (parents[t] == kNone) {
+            loose_begin_ = std::min(loose_begin_, i);
+            continue;
+        }
+        for (uint32_t& mate : sorted_mates[i]) {
             mate = mate == kNone ? kNone : place[mate];
         }
-        if (i == 0 || parents[order[i]] != parents[order[i - 1]]) {
+        if (i == 0 || parents[t] != parents[order[i - 1]]) {
             pieces_.push_back({.first = i, .count = 0, .closed = true});
         }
         Piece& piece = pieces_.back();
         ++piece.count;
-        piece.closed = piece.closed && std::ranges::count(sorted[i].mates, kNone) == 0;
+        piece.closed = piece.closed && std::ranges::count(sorted_mates[i], kNone) == 0;
     }
     triangles_ = std::move(sorted);
+    mates_ = std::move(sorted_mates);
+}
+
+// Puts positions in the order in which triangles use them: what is read together lies together.
+void OccluderMesh::sort_positions()
+{
+    std::vector<uint32_t> place(positions_.size(), kNone);
+    std::vector<glm::vec3> sorted;
+    std::vector<uint32_t> sources;
+    sorted.reserve(positions_.size());
+    sources.reserve(positions_.size());
+    for (Triangle& triangle : triangles_) {
+        for (uint32_t& corner : triangle) {
+            if (place[corner] == kNone) {
+                place[corner] = static_cast<uint32_t>(sorted.size());
+                sorted.push_back(positions_[corner]);
+                sources.push_back(sources_[corner]);
+            }
+            corner = place[corner];
+        }
+    }
+    positions_ = std::move(sorted);
+    sources_ = std::move(sources);
 }
 
 // The box, and which side of closed pieces is outside: their signed volume says so.
@@ -282,12 +317,12 @@ void OccluderMesh::update_bounds()
         if (!piece.closed) {
             continue;
         }
-        const glm::dvec3 zero{positions_[triangles_[piece.first].corners[0]]};
+        const glm::dvec3 zero{positions_[triangles_[piece.first][0]]};
         double volume = 0.0;
         for (const Triangle& t : std::span{triangles_}.subspan(piece.first, piece.count)) {
-            const glm::dvec3 a = glm::dvec3{positions_[t.corners[0]]} - zero;
-            const glm::dvec3 b = glm::dvec3{positions_[t.corners[1]]} - zero;
-            const glm::dvec3 c = glm::dvec3{positions_[t.corners[2]]} - zero;
+            const glm::dvec3 a = glm::dvec3{positions_[t[0]]} - zero;
+            const glm::dvec3 b = glm::dvec3{positions_[t[1]]} - zero;
+            const glm::dvec3 c = glm::dvec3{positions_[t[2]]} - zero;
             volume += glm::dot(a, glm::cross(b, c));
         }
         piece.outward = volume >= 0.0;
@@ -296,8 +331,8 @@ void OccluderMesh::update_bounds()
 
 bool OccluderMesh::set_positions(const PositionStream& positions)
 {
-    if (welding_ != MeshWelding::by_index ||
-        (!sources_.empty() && sources_.back() >= positions.count)) {
+    const auto last = std::ranges::max_element(sources_);
+    if (welding_ != MeshWelding::by_index || (last != sources_.end() && *last >= positions.count)) {
         return false;
     }
     for (size_t i = 0; i < positions_.size(); ++i) {

@@ -71,7 +71,7 @@ class OccluderMesh {
 public:
     static constexpr uint32_t kNoTriangle = UINT32_MAX;
 
-    /// Triangles that hang together by shared edges: a run of triangles().
+    /// Two or more triangles that hang together by shared edges: a run of triangles().
     struct Piece {
         uint32_t first = 0;
         uint32_t count = 0;
@@ -80,12 +80,11 @@ public:
         /// Of a closed piece: its triangles are counter-clockwise seen from outside.
         bool outward = true;
     };
-    struct Triangle {
-        std::array<uint32_t, 3> corners; ///< into positions(), counter-clockwise as handed over, or
-                                         ///< turned around so that neighbours agree
-        std::array<uint32_t, 3> mates;   ///< who shares the edge from corner i to corner i + 1, the
-                                         ///< other way around; or kNoTriangle
-    };
+    /// Corners, into positions(): counter-clockwise as handed over, or turned around so that
+    /// neighbours agree.
+    using Triangle = std::array<uint32_t, 3>;
+    /// Who shares the edge from corner i to corner i + 1, the other way around; or kNoTriangle.
+    using Mates = std::array<uint32_t, 3>;
 
     OccluderMesh() = default;
 
@@ -105,6 +104,9 @@ public:
     bool empty() const { return triangles_.empty(); }
     std::span<const glm::vec3> positions() const { return positions_; }
     std::span<const Triangle> triangles() const { return triangles_; }
+    std::span<const Mates> mates() const { return mates_; }
+    /// Triangles from here on share no edge, and belong to no piece.
+    uint32_t loose_begin() const { return loose_begin_; }
     std::span<const Piece> pieces() const { return pieces_; }
     const Aabb& box() const { return box_; }
     MeshFaces faces() const { return faces_; }
@@ -114,11 +116,14 @@ private:
               MeshWelding welding);
     void connect();
     void sort_pieces();
+    void sort_positions();
     void update_bounds();
 
     std::vector<glm::vec3> positions_;
     std::vector<uint32_t> sources_; ///< the index of each position in the stream that it came from
     std::vector<Triangle> triangles_;
+    std::vector<Mates> mates_;
+    uint32_t loose_begin_ = 0;
     std::vector<Piece> pieces_;
     Aabb box_ = Aabb::empty();
     MeshFaces faces_ = MeshFaces::both;

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 namespace occlude::cpu_fast {
 
@@ -20,15 +21,16 @@ struct Grid {
     glm::ivec2 size_px{0};
     int cell_px = 1;
     glm::ivec2 size_cells{0};
-    glm::ivec2 size_tiles{0};
+    glm::ivec2 size_bins{0};
 
     Grid() = default;
     Grid(glm::ivec2 size_px, int cell_px);
-    size_t tile_count() const { return pixel_count(size_tiles); }
+    size_t bin_count() const { return pixel_count(size_bins); }
 };
 
 /// How one instance of a mesh comes onto the grid.
 struct InstanceTransform {
+    InstanceTransform() = default;
     /// `usable` is false if nothing of the instance may hide anything.
     InstanceTransform(const View& view, const Grid& grid, const glm::mat4& world_from_mesh,
                       const Aabb& box);
@@ -39,6 +41,8 @@ struct InstanceTransform {
     glm::vec2 guard_low{0.0f}; ///< x >= guard_low * w, in cells
     glm::vec2 guard_high{0.0f};
     Growth growth;
+    float nearest = 0.0f;    ///< no corner of its box is nearer, in window depth
+    uint32_t tie_break = 0;  ///< tells boxes that are equally near apart
     float z_slack = 0.0f;    ///< what depth may be off by, in window depth
     float front_sign = 1.0f; ///< counter-clockwise in the mesh: this times the area on the grid > 0
     bool usable = false;

@@ -1,12 +1,11 @@
-// From a mesh to prims: transform, clip, snap, find the pieces that face one way and their open
-// edges.
+// From a mesh to prims: the pieces that face one way, their open edges, and the bins they lie in.
 #pragma once
 
+#include <occlude/backends/cpu_fast/detail/clipping.h>
 #include <occlude/backends/cpu_fast/detail/instance_transform.h>
 #include <occlude/backends/cpu_fast/detail/prim.h>
+#include <occlude/backends/cpu_fast/detail/triangle_setup.h>
 #include <occlude/backends/cpu_fast/occluder_mesh.h>
-
-#include <glm/vec4.hpp>
 
 #include <array>
 #include <cstdint>
@@ -20,50 +19,36 @@ class MeshSetup {
 public:
     /// Appends the prims of an instance.
     void add(const OccluderMesh& mesh, const InstanceTransform& transform, const Grid& grid,
-             PrimBatch& out);
+             const SetupKernels& kernels, PrimBatch& out);
 
 private:
-    struct Vertex {
-        glm::vec4 clip{0.0f}; ///< in cells, as InstanceTransform::column gives it
-        Corner corner;        ///< only if code has no bit of kNeedsClipping
-        uint8_t code = 0;
-    };
-    struct PolygonCorner {
-        glm::dvec4 clip{0.0};
-        Corner corner;
-        bool given = false; ///< a vertex of the mesh that needs no clipping
-        uint8_t edge = 0;   ///< where the edge that starts here comes from: see clip()
-    };
-    /// A triangle and one more corner for each plane.
-    struct Polygon {
-        static constexpr size_t kMaxCorners = 3 + 6;
-        std::array<PolygonCorner, kMaxCorners> corners{};
-        size_t count = 0;
-    };
+    using Triangle = OccluderMesh::Triangle;
 
-    void transform_vertices(const OccluderMesh& mesh, const InstanceTransform& transform);
-    void classify(const OccluderMesh& mesh, const InstanceTransform& transform);
-    int8_t clipped_facing(const OccluderMesh::Triangle& triangle,
-                          const InstanceTransform& transform);
-    void clip(const InstanceTransform& transform, Polygon& polygon) const;
-    void snap(Polygon& polygon) const;
-    bool side_wanted(const OccluderMesh& mesh, const OccluderMesh::Piece& piece, int8_t facing,
-                     const InstanceTransform& transform) const;
-    void emit_piece(const OccluderMesh& mesh, const OccluderMesh::Piece& piece, int8_t facing);
-    void emit_polygon(const Polygon& polygon, const std::array<bool, 3>& open, int8_t facing);
-    void emit_triangle(const Corner& a, const Corner& b, const Corner& c, PrimKind kind);
-    void emit_edge(const Corner& a, const Corner& b);
+    void add_loose(const OccluderMesh& mesh);
+    void classify(const OccluderMesh& mesh);
+    uint32_t codes_of(const Triangle& triangle) const;
+    int8_t clip_triangle(const OccluderMesh& mesh, const Triangle& triangle);
+    bool side_wanted(const OccluderMesh& mesh, const OccluderMesh::Piece& piece,
+                     int8_t facing) const;
+    void add_piece(const OccluderMesh& mesh, const OccluderMesh::Piece& piece, int8_t facing);
+    void add_triangles(std::span<const Triangle> triangles, PrimKind kind);
+    void add_polygon(const Polygon& polygon, const std::array<bool, 3>& open);
+    void add_edge(const Corner& a, const Corner& b);
     void finish_piece(size_t first_prim);
+    void bin_from(size_t first_prim);
     void bin(uint32_t index);
 
-    std::vector<Vertex> vertices_;
+    ScreenVertices vertices_;
     std::vector<int8_t> facings_; ///< by triangle: 1 counter-clockwise on the grid, -1, 0 left out
     std::vector<uint32_t> polygon_of_; ///< by triangle, where it was clipped
     std::vector<Polygon> polygons_;
-    bool any_clipped_ = false;
-    float z_slack_ = 0.0f;
-    Growth growth_;
+    std::vector<Triangle> alone_; ///< of a piece
+    std::vector<Triangle> joined_;
+    uint32_t any_code_ = 0;
+    TriangleSetup setup_;
     Grid grid_;
+    const InstanceTransform* transform_ = nullptr;
+    const SetupKernels* kernels_ = nullptr;
     PrimBatch* out_ = nullptr;
 };
 

@@ -1,15 +1,14 @@
 // What the rasteriser fills: triangles and open edges, on a grid of cells.
 //
 // A cell is a square of the grid, one pixel or a few of the target. Cell (i, j) reaches from (i, j)
-// to (i + 1, j + 1); row 0 is the bottom row. Positions are snapped to 1/256 cell, and everything
-// after that is exact or rounds by less than kRounding.
+// to (i + 1, j + 1); row 0 is the bottom row. Positions are snapped to 1/256 cell; everything after
+// that is exact, or rounds by less than kRounding.
 #pragma once
-
-#include <glm/vec2.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace occlude::cpu_fast {
@@ -18,13 +17,19 @@ constexpr int kSubcellBits = 8;
 constexpr int32_t kSubcells = 1 << kSubcellBits;
 /// The largest side of a grid, in cells.
 constexpr int kMaxSide = 4096;
-/// Cells of one tile, the unit of work of a thread.
-constexpr int kTileWidth = 64;
-constexpr int kTileHeight = 32;
 
-/// By how much edge functions and bounds may be off when they are compared, in cells: positions up
-/// to 2^14 cells away, edge normals of 24 bits.
-constexpr float kRounding = 0x1p-8f;
+/// A sub-tile has one bit per cell in a mask of 32: bit 8 * row + column.
+constexpr int kSubTileWidth = 8;
+constexpr int kSubTileHeight = 4;
+/// Columns that one word per row covers: four sub-tiles side by side.
+constexpr int kStripeWidth = 32;
+/// Cells of a bin, the unit of work of a thread.
+constexpr int kBinWidth = 256;
+constexpr int kBinHeight = 64;
+
+/// By how much lines and bounds may be off where they are compared, in cells. Lines are in float:
+/// 5 roundings of 2^-24 over at most 2^14 cells.
+constexpr float kRounding = 0x1p-7f;
 /// What snapping here and there and the division may move a point of an occluder by, in cells.
 constexpr float kSnapping = 1.0f / 128.0f;
 
@@ -44,14 +49,10 @@ struct Growth {
     float edge;  ///< an open edge counts for a cell that grew by this: before a device moves it in
 };
 
-/// Depth of cells that a piece does not touch, and that an open edge takes away from it.
-constexpr float kUntouched = -1.0f;
-constexpr float kErased = 2.0f;
-
-enum class PrimKind : uint8_t {
-    triangle, ///< raises the depth of its piece in the cells that it touches
+enum class PrimKind : uint32_t {
+    triangle, ///< touches cells of its piece, at its depth
     edge,     ///< takes the cells that it touches away from its piece
-    alone,    ///< a piece of one triangle, all of whose edges are open: lowers depth inside of it
+    alone,    ///< all of its edges are open: hides in the cells that lie inside of it
 };
 
 /// A corner on the grid.
@@ -71,63 +72,81 @@ struct CellRect {
     bool empty() const { return x0 > x1 || y0 > y1; }
 };
 
-/// Something to fill, in the coordinates of the whole grid.
-struct Prim {
-    /// Edge functions nx * x + ny * y + c, in cells, positive inside; |nx| + |ny| = 1, or all 0. c
-    /// is that of the corner.
-    std::array<float, 3> nx{};
-    std::array<float, 3> ny{};
-    std::array<int32_t, 3> x{};
-    std::array<int32_t, 3> y{};
-    float zx = 0.0f; ///< depth per cell
-    float zy = 0.0f;
-    float z = 0.0f;         ///< depth at the first corner
-    float z_max = 0.0f;     ///< nothing of it is farther
-    float growth = 0.0f;    ///< depth is that of cells that grew by this
-    float threshold = 0.0f; ///< a cell counts where all edge functions are at least this
-    CellRect cells;
-    uint32_t piece = 0;
-    PrimKind kind = PrimKind::triangle;
+/// A line that bounds the columns of each row: slope * row + at.
+struct Line {
+    float slope = 0.0f;
+    float at = 0.0f;
 };
 
-/// A triangle, its corners counter-clockwise on the grid. False if it touches no cell of the grid.
-/// Precondition: its area is positive.
-bool make_triangle(const Corner& a, const Corner& b, const Corner& c, PrimKind kind,
-                   const Growth& growth, glm::ivec2 size_cells, Prim& prim);
-/// A band around an edge. False if it has no length, or touches no cell of the grid.
-bool make_edge(const Corner& a, const Corner& b, const Growth& growth, glm::ivec2 size_cells,
-               Prim& prim);
-/// False only if the prim touches no cell of tile (tx, ty).
-bool meets_tile(const Prim& prim, int tx, int ty);
-
-/// The same in one tile: coordinates are cells from its corner, at the cells' middles.
-struct TilePrim {
-    std::array<float, 3> nx{};
-    std::array<float, 3> ny{};
-    std::array<float, 3> c{};
-    float threshold = 0.0f; ///< a cell counts where all edge functions are at least this
-    float zx = 0.0f;
-    float zy = 0.0f;
+/// Something to fill: the cells of `cells` whose column is at least that of both left lines and at
+/// most that of both right lines. Columns and rows are those of the cells' middles and count from
+/// the first of `cells`.
+struct alignas(16) Prim {
+    std::array<Line, 2> left;
+    std::array<Line, 2> right;
+    float zx = 0.0f; ///< depth per column
+    float zy = 0.0f; ///< depth per row
+    /// The farthest depth of a grown sub-tile whose middle is at (0, 0); nothing is beyond z_max.
     float z = 0.0f;
     float z_max = 0.0f;
     CellRect cells;
+    uint32_t piece_and_kind = 0;
+    float z_min = 0.0f; ///< of the corners
+
+    uint32_t piece() const { return piece_and_kind >> 2; }
+    PrimKind kind() const { return static_cast<PrimKind>(piece_and_kind & 3); }
+    static uint32_t pack(uint32_t piece, PrimKind kind)
+    {
+        return piece << 2 | static_cast<uint32_t>(kind);
+    }
+};
+static_assert(sizeof(Prim) == 64, "one line of a cache");
+
+/// Prims one behind the other. Room for them is not initialised, which would cost as much as
+/// setting them up.
+class PrimList {
+public:
+    /// Room for `count` more behind the last; add() then says how many of them there are.
+    Prim* reserve(size_t count)
+    {
+        if (size_ + count > capacity_) {
+            const size_t capacity = 2 * (size_ + count);
+            auto larger = std::make_unique_for_overwrite<Prim[]>(capacity);
+            for (size_t i = 0; i < size_; ++i) {
+                larger[i] = prims_[i];
+            }
+            prims_ = std::move(larger);
+            capacity_ = capacity;
+        }
+        return prims_.get() + size_;
+    }
+    void add(size_t count) { size_ += count; }
+    void shrink(size_t size) { size_ = size; }
+    size_t size() const { return size_; }
+    Prim& operator[](size_t i) { return prims_[i]; }
+    const Prim& operator[](size_t i) const { return prims_[i]; }
+
+private:
+    std::unique_ptr<Prim[]> prims_;
+    size_t size_ = 0;
+    size_t capacity_ = 0;
 };
 
-/// What one thread makes of some occluders: prims, and which of them each tile needs. Pieces never
+/// What one thread makes of some occluders: prims, and which of them each bin needs. Pieces never
 /// straddle batches.
 struct PrimBatch {
-    std::vector<Prim> prims;
-    std::vector<std::vector<uint32_t>> tiles;
+    PrimList prims;
+    std::vector<std::vector<uint32_t>> bins;
     uint32_t piece_count = 0;
     uint64_t instances = 0;
     uint64_t triangles = 0;
 
-    void clear(size_t tile_count)
+    void clear(size_t bin_count)
     {
-        prims.clear();
-        tiles.resize(tile_count);
-        for (std::vector<uint32_t>& tile : tiles) {
-            tile.clear();
+        prims.shrink(0);
+        bins.resize(bin_count);
+        for (std::vector<uint32_t>& bin : bins) {
+            bin.clear();
         }
         piece_count = 0;
         instances = 0;
