@@ -74,6 +74,7 @@ WalkGraph::WalkGraph(const SolidGrid& grid, float unit, Ground ground)
 {
     const bool makes_ground = ground == Ground::made_up_too;
     const std::vector<float> heights = makes_ground ? ground_heights(grid) : std::vector<float>{};
+    reserve_footholds(makes_ground);
     std::vector<int> floors;
     size_t column = 0;
     for (int z = 0; z < grid.size_z(); ++z) {
@@ -94,11 +95,28 @@ WalkGraph::WalkGraph(const SolidGrid& grid, float unit, Ground ground)
     column_begin_.push_back(static_cast<uint32_t>(footholds_.size()));
 }
 
+/// Room for a foothold over each floor. Memory that stays unused costs no page; growing a vector
+/// would hold the footholds twice.
+void WalkGraph::reserve_footholds(bool makes_ground)
+{
+    size_t most = 0;
+    for (int z = 0; z < grid_->size_z(); ++z) {
+        for (int x = 0; x < grid_->size_x(); ++x) {
+            const int floors = grid_->floors(x, z);
+            most += static_cast<size_t>(makes_ground ? std::max(floors, 1) : floors);
+        }
+    }
+    footholds_.reserve(most);
+    column_begin_.reserve(
+        static_cast<size_t>(grid_->size_x()) * static_cast<size_t>(grid_->size_z()) + 1);
+}
+
 void WalkGraph::add_footholds(int x, int z, std::span<const int> floors)
 {
     for (int floor : floors) {
         if (!grid_->any_solid(x, z, floor + 1, floor + 1 + head_) && has_room(x, floor + 1, z)) {
-            footholds_.push_back({x, floor + 1, z, 0.0f});
+            footholds_.push_back({static_cast<int16_t>(x), static_cast<int16_t>(floor + 1),
+                                  static_cast<int16_t>(z), 0.0f});
         }
     }
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 
@@ -57,6 +58,12 @@ Polygon clipped(const Polygon& polygon, int axis, float at, float sign)
         }
     }
     return out;
+}
+
+/// The nearest of `size` cells. Clamped first: far away there are more cells than an int counts.
+int cell_of(float at, int size)
+{
+    return static_cast<int>(std::clamp(at, 0.0f, static_cast<float>(size - 1)));
 }
 
 } // namespace
@@ -110,14 +117,11 @@ void SolidGrid::prepare_clutter(float unit)
                      std::max(1, static_cast<int>(size / cell_y_)),
                      std::max(1, static_cast<int>(size / cell_))};
     clutter_size_ = glm::ivec3{size_x_, size_y_, size_z_} / clutter_cell_ + 1;
-    clutter_.assign(static_cast<size_t>(clutter_size_.x) * static_cast<size_t>(clutter_size_.y) *
-                        static_cast<size_t>(clutter_size_.z),
-                    0);
 }
 
 void SolidGrid::add_clutter(const glm::vec3& cells, uint32_t triangles)
 {
-    const glm::ivec3 at{cells};
+    const glm::ivec3 at{glm::clamp(cells, glm::vec3{0.0f}, glm::vec3{size_x_, size_y_, size_z_})};
     clutter_[clutter_cell(at.x, at.y, at.z)] += triangles;
 }
 
@@ -131,10 +135,16 @@ size_t SolidGrid::clutter_cell(int x, int y, int z) const
            static_cast<size_t>(at.x);
 }
 
+uint32_t SolidGrid::clutter_in(int x, int y, int z) const
+{
+    const auto found = clutter_.find(clutter_cell(x, y, z));
+    return found != clutter_.end() ? found->second : 0;
+}
+
 float SolidGrid::clutter(int x, int y, int z) const
 {
-    const auto triangles = static_cast<float>(clutter_[clutter_cell(x, y, z)] +
-                                              clutter_[clutter_cell(x, y + clutter_cell_.y, z)]);
+    const auto triangles =
+        static_cast<float>(clutter_in(x, y, z) + clutter_in(x, y + clutter_cell_.y, z));
     return std::min(1.0f, 0.25f * std::sqrt(triangles / kTrianglesOfAnObject));
 }
 
@@ -150,8 +160,8 @@ glm::vec3 SolidGrid::to_world(const glm::vec3& cells) const
 
 void SolidGrid::mark_range(int x, int z, float low, float high)
 {
-    const int first = std::clamp(static_cast<int>(low), 0, size_y_ - 1);
-    const int last = std::clamp(static_cast<int>(high), 0, size_y_ - 1);
+    const int first = cell_of(low, size_y_);
+    const int last = cell_of(high, size_y_);
     uint64_t* column =
         &bits_[(static_cast<size_t>(z) * static_cast<size_t>(size_x_) + static_cast<size_t>(x)) *
                static_cast<size_t>(words_)];
@@ -164,9 +174,6 @@ void SolidGrid::mark(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
 {
     const glm::vec3 low = glm::min(a, glm::min(b, c));
     const glm::vec3 high = glm::max(a, glm::max(b, c));
-    const auto cell_of = [](float at, int size) {
-        return std::clamp(static_cast<int>(at), 0, size - 1);
-    };
     const int x_first = cell_of(low.x, size_x_);
     const int x_last = cell_of(high.x, size_x_);
     const int z_first = cell_of(low.z, size_z_);
@@ -222,6 +229,19 @@ bool SolidGrid::any_solid(int x, int z, int y_begin, int y_end) const
         y += here;
     }
     return false;
+}
+
+int SolidGrid::floors(int x, int z) const
+{
+    const uint64_t* column =
+        &bits_[(static_cast<size_t>(z) * static_cast<size_t>(size_x_) + static_cast<size_t>(x)) *
+               static_cast<size_t>(words_)];
+    int count = 0;
+    for (int word = 0; word < words_; ++word) {
+        const uint64_t from_next = word + 1 < words_ ? column[word + 1] << 63 : 0;
+        count += std::popcount(column[word] & ~((column[word] >> 1) | from_next));
+    }
+    return count;
 }
 
 } // namespace occlude::tools

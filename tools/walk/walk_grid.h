@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 namespace occlude::tools {
@@ -35,6 +36,8 @@ public:
     /// within some metres. Does not depend on how meshes are cut into items.
     float clutter(int x, int y, int z) const;
     bool column_empty(int x, int z) const { return !any_solid(x, z, 0, size_y_); }
+    /// How many cells of the column are solid below a free one.
+    int floors(int x, int z) const;
 
     /// From local cell coordinates to the world.
     glm::vec3 to_world(const glm::vec3& cells) const;
@@ -44,6 +47,7 @@ private:
     void prepare_clutter(float unit);
     void add_clutter(const glm::vec3& cells, uint32_t triangles);
     size_t clutter_cell(int x, int y, int z) const;
+    uint32_t clutter_in(int x, int y, int z) const;
     void mark(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
     void mark_range(int x, int z, float low, float high);
 
@@ -58,14 +62,16 @@ private:
     std::vector<uint64_t> bits_;
     glm::ivec3 clutter_cell_{1}; ///< cells per cell of clutter_
     glm::ivec3 clutter_size_{1};
-    std::vector<uint32_t> clutter_; ///< triangles in coarse cells, and an allowance per object
+    /// Triangles in coarse cells, and an allowance per object. Sparse: in a scene much larger than
+    /// its walkers, coarse cells are as many as cells, and nearly all of them are empty.
+    std::unordered_map<size_t, uint32_t> clutter_;
 };
 
 /// A place to stand: the free cell above a floor.
 struct Foothold {
-    int x = 0;
-    int y = 0;
-    int z = 0;
+    int16_t x = 0; // 16 bits: large scenes have a million footholds
+    int16_t y = 0;
+    int16_t z = 0;
     float interest = 0.0f; ///< 0 (open all round) to 1 (walls near on four sides, much to see)
 };
 
@@ -97,6 +103,7 @@ public:
     Region best_region();
 
 private:
+    void reserve_footholds(bool makes_ground);
     void add_footholds(int x, int z, std::span<const int> floors);
     bool has_room(int x, int y, int z) const;
     float interest_at(const Foothold& foothold) const;

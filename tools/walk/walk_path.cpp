@@ -249,6 +249,20 @@ float length_of(const std::vector<glm::vec3>& points)
     return length;
 }
 
+/// Replaces graph and region where ground below what is open to the sky makes a much better walk.
+void prefer_made_up_ground(const SolidGrid& grid, float unit, WalkGraph& graph, Region& region)
+{
+    WalkGraph outdoors(grid, unit, Ground::made_up_too);
+    if (outdoors.footholds().size() <= graph.footholds().size()) {
+        return;
+    }
+    Region outside = outdoors.best_region();
+    if (outside.score > kRealGround * region.score) {
+        graph = std::move(outdoors);
+        region = std::move(outside);
+    }
+}
+
 } // namespace
 
 std::vector<Keyframe> find_walk(const SceneModel& model)
@@ -261,14 +275,7 @@ std::vector<Keyframe> find_walk(const SceneModel& model)
     const SolidGrid grid(model);
     WalkGraph graph(grid, unit, Ground::real);
     Region region = graph.best_region();
-    WalkGraph outdoors(grid, unit, Ground::made_up_too);
-    if (outdoors.footholds().size() > graph.footholds().size()) {
-        Region outside = outdoors.best_region();
-        if (outside.score > kRealGround * region.score) {
-            graph = std::move(outdoors);
-            region = std::move(outside);
-        }
-    }
+    prefer_made_up_ground(grid, unit, graph, region);
     const float area = static_cast<float>(region.footholds.size()) * grid.cell() * grid.cell();
     if (area < kLeastArea * unit * unit) {
         return {};

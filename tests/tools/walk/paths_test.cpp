@@ -11,6 +11,8 @@
 
 #include <cmath>
 
+#include <sys/resource.h>
+
 namespace occlude::tools {
 namespace {
 
@@ -114,6 +116,29 @@ TEST(WalkPath, DoesNotDependOnHowMeshesAreCutIntoItems)
         EXPECT_LT(glm::distance(first[i].eye, second[i].eye), 0.01f) << "frame " << i;
         EXPECT_LT(glm::distance(first[i].target, second[i].target), 0.01f) << "frame " << i;
     }
+}
+
+/// The most memory that this process ever had, in MiB.
+long peak_memory_mib()
+{
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss / 1024;
+}
+
+// Coarse cells for what there is to see were as many as cells once, and took 600 MiB.
+TEST(WalkPath, OfASceneMuchLargerThanItsWalkersNeedsLittleMemory)
+{
+    SceneModel model = small_object();
+    const glm::mat4 box = model.instances[0].world_from_mesh;
+    for (int i = 0; i < 3000; ++i) { // in a cube of 20 km
+        const glm::vec3 at{i % 15, (i / 15) % 15, i / 225};
+        model.instances.push_back({"box", 0, box, glm::vec3{0.7f}});
+        model.instances.back().world_from_mesh[3] = glm::vec4{1400.0f * at, 1.0f};
+    }
+    const long before = peak_memory_mib();
+    path("walk", model, 4);
+    EXPECT_LT(peak_memory_mib() - before, 150);
 }
 
 TEST(WalkPath, WorksInOtherUnits)
