@@ -63,25 +63,47 @@ void for_each_line(std::string_view text, Visit&& visit, Other&& other)
 
 glm::dvec3 far_offset_of_obj(std::string_view text)
 {
-    glm::dvec3 low{std::numeric_limits<double>::infinity()};
-    glm::dvec3 high{-std::numeric_limits<double>::infinity()};
+    constexpr size_t kMostSamples = 1 << 17;
+    std::vector<glm::dvec3> samples; // every stride-th vertex
+    size_t stride = 1;
+    size_t count = 0;
     for_each_line(
         text,
         [&](const glm::dvec3& v, std::string_view) {
-            if (std::isfinite(v.x + v.y + v.z)) {
-                low = glm::min(low, v);
-                high = glm::max(high, v);
+            if (!std::isfinite(v.x + v.y + v.z) || count++ % stride != 0) {
+                return;
+            }
+            samples.push_back(v);
+            if (samples.size() == kMostSamples) { // every other one of them
+                stride *= 2;
+                for (size_t i = 0; i < samples.size() / 2; ++i) {
+                    samples[i] = samples[2 * i];
+                }
+                samples.resize(samples.size() / 2);
             }
         },
         [](std::string_view) {});
-    if (!(low.x <= high.x)) {
+    if (samples.empty()) {
         return glm::dvec3{0.0};
     }
-    const glm::dvec3 middle = 0.5 * (low + high);
-    const glm::dvec3 extent = high - low;
-    const double largest = std::max({extent.x, extent.y, extent.z});
-    const double away = std::max({std::abs(middle.x), std::abs(middle.y), std::abs(middle.z)});
-    return away > kFarRatio * largest ? glm::round(middle) : glm::dvec3{0.0};
+    // Quartiles: a few vertices elsewhere, such as a marker at the origin, must not decide.
+    glm::dvec3 middle{0.0};
+    double extent = 0.0;
+    double away = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        std::ranges::sort(samples, {}, [axis](const glm::dvec3& v) { return v[axis]; });
+        const auto at = [&](size_t quarters) {
+            return samples[(samples.size() - 1) * quarters / 4][axis];
+        };
+        middle[axis] = at(2);
+        extent = std::max(extent, 2.0 * (at(3) - at(1)));
+        away = std::max(away, std::abs(middle[axis]));
+    }
+    if (!(extent > 0.0) || away <= kFarRatio * extent) {
+        return glm::dvec3{0.0};
+    }
+    const double step = std::exp2(std::ceil(std::log2(extent)));
+    return glm::round(middle / step) * step;
 }
 
 std::string moved_obj(std::string_view text, const glm::dvec3& offset)

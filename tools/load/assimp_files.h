@@ -37,8 +37,8 @@ private:
     std::vector<std::string> opened_;
 };
 
-/// The way from the origin to the middle of the vertices of an OBJ text, in whole units; zero if
-/// they lie no farther away than `kFarRatio` times their extent.
+/// The way from the origin to the bulk of the vertices of an OBJ text, rounded to its size; zero if
+/// the bulk lies no farther away than `kFarRatio` times its extent.
 glm::dvec3 far_offset_of_obj(std::string_view text);
 /// The text with `offset` subtracted from all vertices.
 std::string moved_obj(std::string_view text, const glm::dvec3& offset);

@@ -240,12 +240,18 @@ void apply_format_rules(const std::string& extension, LoadedScene& out)
     }
 }
 
-/// Says how much of far coordinates single precision has left.
+/// Says how much of far coordinates single precision has left, unless they are few: a marker.
 void note_precision(LoadedScene& out)
 {
     constexpr float kNoticed = 4096.0f; // times the extent
-    float farthest = 0.0f;
+    constexpr size_t kFewShare = 20;    // one vertex in this many
+    struct Placed {
+        float away;
+        size_t vertices;
+    };
+    std::vector<Placed> placed;
     float extent = 0.0f;
+    size_t vertices = 0;
     for (const LoadedMesh& mesh : out.meshes) {
         glm::vec3 low{1e30f};
         glm::vec3 high{-1e30f};
@@ -256,11 +262,20 @@ void note_precision(LoadedScene& out)
         if (!mesh.positions.empty() && low.x <= high.x) {
             const glm::vec3 middle = glm::abs(0.5f * (low + high));
             const glm::vec3 size = high - low;
-            farthest = std::max({farthest, middle.x, middle.y, middle.z});
+            placed.push_back({std::max({middle.x, middle.y, middle.z}), mesh.positions.size()});
+            vertices += mesh.positions.size();
             extent = std::max({extent, size.x, size.y, size.z});
         }
     }
-    if (farthest > kNoticed * extent && extent > 0.0f) {
+    float farthest = 0.0f;
+    size_t far = 0;
+    for (const Placed& mesh : placed) {
+        if (mesh.away > kNoticed * extent) {
+            farthest = std::max(farthest, mesh.away);
+            far += mesh.vertices;
+        }
+    }
+    if (extent > 0.0f && far * kFewShare > vertices) {
         out.notes.push_back(fmt::format(
             "lies {:.3g} units from its origin, where the single precision in which Assimp reads "
             "coordinates tells apart only {:.2g} units; export it nearer to its origin, or as OBJ "

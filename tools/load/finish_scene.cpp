@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 #include <string_view>
 
 namespace occlude::tools {
@@ -349,9 +350,13 @@ void Finisher::describe_materials()
 Error Finisher::nothing_left() const
 {
     const std::string reasons = fmt::format("{}", fmt::join(model_.load_losses, "; "));
+    const uint64_t nowhere = std::accumulate(
+        loaded_.meshes.begin(), loaded_.meshes.end(), misplaced_,
+        [](uint64_t sum, const LoadedMesh& mesh) { return sum + mesh.left_out.non_finite; });
     return {ErrorCode::bad_data,
-            fmt::format("{}: has no triangles to draw ({}); export it with its surfaces", file_,
-                        reasons.empty() ? "it holds none" : "left out: " + reasons)};
+            fmt::format("{}: has no triangles to draw ({}); export it {}", file_,
+                        reasons.empty() ? "it holds none" : "left out: " + reasons,
+                        nowhere > 0 ? "again with finite coordinates" : "with its surfaces")};
 }
 
 Result<SceneModel> Finisher::finish()
