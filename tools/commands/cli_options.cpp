@@ -4,8 +4,6 @@
 
 namespace occlude::tools {
 
-static constexpr const char* kFileGroup = "Scenes that are files";
-
 void add_file_arguments(Command& command, FileOptions& file)
 {
     constexpr uint64_t kMaxSeconds = 1000000;

@@ -22,6 +22,9 @@ inline constexpr uint64_t kMaxFrames = 1000000;
 void add_stage_arguments(Command& command, RawStage& raw, bool several);
 void add_frames_argument(Command& command, StageOptions& stage);
 
+/// The heading of options for scenes that are files, in the help.
+inline constexpr const char* kFileGroup = "Scenes that are files";
+
 /// --origin, --unit, --up and the limits of reading.
 void add_file_arguments(Command& command, FileOptions& file);
 

@@ -35,6 +35,10 @@ Result<int> convert_command(const ConvertOptions& options, const Streams& stream
     if (!model) {
         return model.error();
     }
+    if (const auto problem =
+            options.strict ? left_out_error(options.scene, *model) : std::nullopt) {
+        return *problem;
+    }
     progress->show("writing", std::nan(""));
     const auto bytes = to_glb(*model);
     if (!bytes) {

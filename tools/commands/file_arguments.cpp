@@ -60,6 +60,10 @@ void add_convert(CommandLine& line)
                   .required = true},
                  output_glb(options->out)});
     add_file_arguments(convert, options->file);
+    convert.add({.name = "--strict",
+                 .target = &options->strict,
+                 .help = "Refuse files of which something is left out",
+                 .group = kFileGroup});
 }
 
 void add_replay(CommandLine& line)

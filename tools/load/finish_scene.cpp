@@ -3,11 +3,11 @@
 #include "load/clean_mesh.h"
 #include "load/duplicates.h"
 #include "load/load_progress.h"
+#include "load/scene_colors.h"
 #include "load/scene_measures.h"
+#include "load/scene_origin.h"
 #include "model/focus.h"
 #include "model/mesh_tools.h"
-
-#include <occlude/core/rng.h>
 
 #include <fmt/format.h>
 
@@ -26,51 +26,10 @@ namespace occlude::tools {
 namespace {
 
 constexpr uint32_t kNoMesh = 0xffffffffu;
-/// A scene is moved to the origin if its middle lies farther away than this many times its size.
-constexpr float kFarScene = 16.0f;
-
-/// A muted colour, different for different hashes.
-glm::vec3 pleasant_color(uint64_t hash)
-{
-    const float value = 0.45f + 0.35f * uniform01(mix64(hash));
-    const float warm = uniform01(mix64(hash + 1));
-    const float green = uniform01(mix64(hash + 2));
-    const glm::vec3 tint{0.85f + 0.15f * warm, 0.82f + 0.18f * green, 1.0f - 0.3f * warm};
-    return value * tint;
-}
-
-uint64_t hash_text(std::string_view text)
-{
-    uint64_t hash = 0;
-    for (const char c : text) {
-        hash = hash64(hash, static_cast<unsigned char>(c));
-    }
-    return hash;
-}
 
 const LoadedMaterial* material_of(const LoadedScene& scene, const LoadedMesh& mesh)
 {
     return mesh.material < scene.materials.size() ? &scene.materials[mesh.material] : nullptr;
-}
-
-/// The file's colour, unless it is none, white or black: then a colour by the material's name.
-glm::vec3 color_of(const LoadedScene& scene, uint32_t material_index, std::string_view mesh_name)
-{
-    uint64_t identity = hash_text(mesh_name);
-    if (material_index < scene.materials.size()) {
-        const LoadedMaterial& material = scene.materials[material_index];
-        const glm::vec3 rgb = material.color.value_or(glm::vec3{1.0f});
-        const float least = std::min({rgb.r, rgb.g, rgb.b});
-        const float most = std::max({rgb.r, rgb.g, rgb.b});
-        // Written so that NaN answers false.
-        if (least >= 0.0f && least < 0.99f && most > 0.02f && most <= kLargestCoordinate) {
-            return glm::min(rgb, glm::vec3{1.0f});
-        }
-        if (scene.materials.size() > 1) {
-            identity = hash64(hash_text(material.name), material_index);
-        }
-    }
-    return pleasant_color(identity);
 }
 
 Instance instance_of(const LoadedScene& scene, const LoadedInstance& source, uint32_t mesh,
@@ -112,6 +71,7 @@ private:
     void add_instances();
     void drop_duplicates();
     void choose_origin();
+    void move_to(const glm::dvec3& origin);
     void choose_axis_and_unit();
     void add_cameras();
     void describe_losses();
@@ -212,20 +172,32 @@ void Finisher::drop_duplicates()
 
 void Finisher::choose_origin()
 {
-    glm::dvec3 origin{0.0};
     if (options_.origin) {
-        origin = *options_.origin;
+        move_to(*options_.origin);
     } else {
-        const Aabb box = find_focus(model_).box;
-        const glm::vec3 size = box.extent();
-        const glm::vec3 away = glm::abs(box.center());
-        const float largest = std::max({size.x, size.y, size.z});
-        if (std::max({away.x, away.y, away.z}) > kFarScene * largest) {
-            const double step = std::exp2(std::ceil(std::log2(std::max(largest, 1e-30f))));
-            origin = glm::round(glm::dvec3{box.center()} / step) * step;
+        // Boxes are in single precision: far away the first step leads only near.
+        constexpr int kMostSteps = 3;
+        glm::dvec3 way = way_to_bulk(model_);
+        for (int i = 0; i < kMostSteps && way != glm::dvec3{0.0}; ++i) {
+            move_to(model_.origin + way);
+            way = way_to_bulk(model_);
         }
     }
-    if (origin == glm::dvec3{0.0}) {
+    const glm::dvec3& origin = model_.origin;
+    if (origin != glm::dvec3{0.0}) {
+        model_.load_notes.push_back(fmt::format(
+            "moved by ({:.10g}, {:.10g}, {:.10g}), {}", 0.0 - origin.x, 0.0 - origin.y,
+            0.0 - origin.z,
+            options_.origin ? "as --origin says"
+                            : "because it lies far from its origin; path files stay in the "
+                              "coordinates of the file (--origin 0,0,0 leaves it there)"));
+    }
+}
+
+/// Puts the point of the file's coordinates at zero.
+void Finisher::move_to(const glm::dvec3& origin)
+{
+    if (origin == model_.origin) {
         return;
     }
     for (size_t i = 0; i < placed_.size(); ++i) {
@@ -234,11 +206,6 @@ void Finisher::choose_origin()
         model_.instances[i].world_from_mesh = glm::mat4{moved};
     }
     model_.origin = origin;
-    model_.load_notes.push_back(fmt::format(
-        "moved by ({:.10g}, {:.10g}, {:.10g}), {}", 0.0 - origin.x, 0.0 - origin.y, 0.0 - origin.z,
-        options_.origin ? "as --origin says"
-                        : "because it lies far from its origin; path files stay in the "
-                          "coordinates of the file (--origin 0,0,0 leaves it there)"));
 }
 
 void Finisher::choose_axis_and_unit()
@@ -370,6 +337,12 @@ Result<SceneModel> Finisher::finish()
     }
     drop_duplicates();
     choose_origin();
+    if (options_.origin && !has_shape(model_)) {
+        return Error{ErrorCode::invalid_argument,
+                     fmt::format("{}: --origin leaves it so far away that single precision cannot "
+                                 "tell its corners apart; omit it, or give a point near the scene",
+                                 file_)};
+    }
     choose_axis_and_unit();
     describe_materials();
     add_cameras();

@@ -122,6 +122,7 @@ struct ConvertOptions {
     std::string scene;
     std::string out;
     FileOptions file;
+    bool strict = false; ///< what the file holds and the scene does not is an error
 };
 
 struct ListOptions {

@@ -212,6 +212,10 @@ std::string conclusion(std::span<const Prospect> prospects)
     const std::string yes = kinds_that(prospects, Pays::yes);
     const std::string perhaps = kinds_that(prospects, Pays::perhaps);
     const std::string no = kinds_that(prospects, Pays::no);
+    if (yes.empty() && perhaps.empty() && no.empty() &&
+        kinds_that(prospects, Pays::small).empty()) {
+        return "Nothing is proven: none of these cameras has anything of the scene in view.";
+    }
     if (yes.empty() && perhaps.empty()) {
         return kinds_that(prospects, Pays::small).empty()
                    ? "Draw what is in the frustum: for such cameras nearly all of it is seen."

@@ -107,6 +107,17 @@ std::string load_summary(const SceneModel& model)
     return text;
 }
 
+std::optional<Error> left_out_error(const std::string& scene, const SceneModel& model)
+{
+    if (model.load_losses.empty()) {
+        return std::nullopt;
+    }
+    return Error{ErrorCode::bad_data,
+                 fmt::format("{}: --strict: the file holds what cannot be drawn: {}; omit "
+                             "--strict, or export it without",
+                             scene, fmt::join(model.load_losses, "; "))};
+}
+
 Session::Session(SceneModel model, const StageOptions& options,
                  std::span<const HierarchyChoice> trees, const LoadingCallback& loading)
     : options_(options)
@@ -322,11 +333,8 @@ Result<SceneModel> Session::load(const std::string& scene, const StageOptions& o
                                  "or a scene of 'occlude list scenes'",
                                  scene)};
     }
-    if (options.strict && !model->load_losses.empty()) {
-        return Error{ErrorCode::bad_data,
-                     fmt::format("{}: --strict: the file holds what cannot be drawn: {}; omit "
-                                 "--strict, or export it without",
-                                 scene, fmt::join(model->load_losses, "; "))};
+    if (const auto problem = options.strict ? left_out_error(scene, *model) : std::nullopt) {
+        return *problem;
     }
     if (options.path.ends_with(".json")) {
         const auto movers = read_movers(options.path, *model);

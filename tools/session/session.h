@@ -115,6 +115,9 @@ private:
 /// generated scenes.
 std::string load_summary(const SceneModel& model);
 
+/// What --strict says of a file of which something is left out; nothing if all of it is there.
+std::optional<Error> left_out_error(const std::string& scene, const SceneModel& model);
+
 /// Errors for choices that this version does not have. Costs nothing: call it before loading.
 Result<bool> check_stage_options(const StageOptions& options);
 

@@ -94,6 +94,9 @@ TEST(Cli, WhatIsLeftOutOfAFileIsSaidAndStrictRefusesIt)
     EXPECT_NE(info.out.find("100 units a metre (as --unit says"), std::string::npos) << info.out;
     EXPECT_NE(info.out.find("up is +z (as --up says"), std::string::npos) << info.out;
     expect_refused(small({"info", file, "--strict"}), {"flat.obj", "--strict", "without area"});
+    expect_refused({"convert", file, "--strict", "--out", file + ".glb"}, {"--strict"});
+    EXPECT_FALSE(fs::exists(file + ".glb"));
+    expect_refused({"info", file, "--origin", "1e30,0,0"}, {"flat.obj", "--origin", "far away"});
     expect_refused({"info", file, "--unit", "furlong"}, {"--unit", "furlong", "mm"});
     expect_refused({"info", file, "--up", "w"}, {"--up", "'w'"});
     expect_refused({"info", file, "--origin", "1,2"}, {"--origin", "'1,2'", "X,Y,Z"});

@@ -167,6 +167,8 @@ TEST_P(FarTown, LooksTheSameAtAnyOffset)
             expect_same_picture(look(folder, away * axis, 1.0, {}, GetParam()), near);
         }
     }
+    SCOPED_TRACE("where single precision leaves no town");
+    expect_same_picture(look(folder, {1e12, 0.0, -1e12}, 1.0, {}, GetParam()), near);
 }
 
 TEST(FarTownMoved, IsTheSameToTheBitIfItIsMovedByItsOffset)
@@ -186,6 +188,7 @@ TEST_P(FarTown, LooksTheSameAtAnyScale)
     for (const double scale : {1e-6, 1e-3, 1e3, 1e6, 1e9}) {
         SCOPED_TRACE(scale);
         expect_same_picture(look(folder, glm::dvec3{0.0}, scale, {}, GetParam()), near);
+        expect_same_picture(look(folder, glm::dvec3{1e6 * scale}, scale, {}, GetParam()), near);
     }
 }
 

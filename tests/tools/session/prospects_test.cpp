@@ -42,6 +42,8 @@ TEST(Conclusion, SaysWhichCamerasCullingPaysForAndWhatToDo)
               std::string::npos);
     EXPECT_NE(when(Pays::no, Pays::no, Pays::no).find("nearly all of it is seen"),
               std::string::npos);
+    EXPECT_NE(when(Pays::nothing, Pays::no_such_path, Pays::nothing).find("Nothing is proven"),
+              std::string::npos);
     EXPECT_NE(when(Pays::small, Pays::no_such_path, Pays::small).find("too small"),
               std::string::npos);
 }
