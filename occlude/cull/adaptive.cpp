@@ -25,7 +25,7 @@ void Adaptive::reset_state()
     by_device_.forget();
 }
 
-// Nobody wants their answers any more, but their tickets have to be spent.
+// Their answers are not needed any more, but their tickets must be spent.
 void Adaptive::drop_late_tests()
 {
     by_device_.drop_late_tests(dropped_);
@@ -62,7 +62,7 @@ void Adaptive::start_frame(CullFrame& frame)
     frame_since_us_ = shared_.meter.now_us();
 }
 
-// Frustum culling, as `frustum` does it.
+// Frustum culling, exactly as `frustum` does it.
 void Adaptive::draw_all(CullFrame& frame)
 {
     walk_.draw_all(frame);
@@ -74,7 +74,7 @@ void Adaptive::draw_all(CullFrame& frame)
     }
 }
 
-// Asks of the finished frame what tests would have hidden.
+// Tests the finished frame to learn what tests would have hidden.
 void Adaptive::probe(CullFrame& frame)
 {
     shared_.cut.restart();
@@ -91,8 +91,8 @@ void Adaptive::probe(CullFrame& frame)
     }
 }
 
-// Siblings that are quiet become their parent: after tests on the device whenever all of them were
-// found hidden, by depth only if the parent's own box is hidden.
+// Siblings below which nothing is visible are merged into their parent. Tests on the device merge
+// whenever all of them were found hidden, tests by depth only if the parent's own box is hidden.
 void Adaptive::finish_cut(CullFrame& frame)
 {
     const size_t tests_before = shared_.depth.single_tests();

@@ -16,22 +16,23 @@
 //             t_render, t_query                  -> parts/cost_model.h, adaptive/cost_meter.h
 //             QueryReasonable                    -> AdaptivePlanner::hoped_us, retest_pays
 // Deviations  Costs are measured in running frames (cost_model.h). Nodes that stay hidden share
-//             queries later, so the benefit of finding one hidden is counted less its share of a
-//             query, and over as many frames as it probably stays hidden; the benefit of testing a
-//             visible node is not divided by a depth complexity. A failed multiquery is halved
-//             where that is cheaper. Besides queries there are cheaper tests, and the method is
-//             chosen by its cost. A whole view is not tested at all where testing would cost more
-//             than it hides: then frames are those of frustum culling, and a probe now and then (a
-//             test of the finished frame, for at most `probe_share` of the time) finds out whether
-//             that has changed. The traversal starts from the cut of the last frame, not from the
-//             root (hierarchy_cut.h).
-// Guarantees  exact: every item in the frustum is drawn, or lies in a node that a test in this very
-//             frame found hidden. Measured times change what is tested and how, never the image.
-//             Decisions follow the hints of DeviceCaps where there is no clock, where it stands
+//             queries later. So the benefit of finding a node hidden is reduced by its share of a
+//             query, and counted for as many frames as the node probably stays hidden. The benefit
+//             of testing a visible node is not divided by a depth complexity. A failed multiquery
+//             is halved where that is cheaper. Queries are one of several test methods, and the
+//             cheapest is chosen. If testing costs more than it hides, the whole view is drawn as
+//             by frustum culling. Then an occasional probe (a test of the finished frame, for at
+//             most `probe_share` of the time) finds out whether that has changed. The traversal
+//             starts from the cut of the last frame, not from the root (hierarchy_cut.h).
+// Guarantees  exact: every item in the frustum is drawn, or lies in a node that a test of this
+// frame
+//             found hidden. Measured times change what is tested and how, never the image.
+//             Decisions follow the hints of DeviceCaps if there is no clock, if the clock stands
 //             still or is coarse, and on a device without exact timing.
-// Cost        O(entries of the cut) a frame, which follows the visible boundary; one read-back of
-//             depth (in tiles, where that costs less) or a few rounds of tests. When it draws all:
-//             the cost of `frustum`, and the probes.
+// Cost        O(entries of the cut) per frame, which follows the visible boundary; plus one
+// read-back
+//             of depth (in tiles, if that costs less) or a few rounds of tests. A frame that draws
+//             everything costs as much as one of `frustum`, plus the probes.
 #pragma once
 
 #include <occlude/core/clock.h>
@@ -59,11 +60,10 @@ public:
     static constexpr AlgorithmTraits kTraits{
         .name = "adaptive",
         .paper = "Guthe, Balazs, Klein 2006, with measured costs",
-        .summary =
-            "measures what drawing and testing cost, and tests only what pays; else as frustum",
+        .summary = "measures the costs of drawing and testing, and tests only if that saves time",
     };
 
-    /// Without a clock costs are what the device's hints say.
+    /// Without a clock, costs stay at the device's hints.
     explicit Adaptive(HierarchyRef hierarchy, AdaptiveOptions options = {},
                       SecondsClock clock = {});
 
@@ -87,25 +87,25 @@ private:
     TestingByDevice by_device_;
     FrustumWalk walk_;
     double frame_since_us_ = 0.0; ///< when the frame began
-    double drawn_units_ = 0.0;    ///< by the last frame
+    double drawn_units_ = 0.0;    ///< work that the last frame drew
     std::vector<Ticket> dropped_; ///< scratch
 };
 
 template <class Visit>
 void visit_options(AdaptiveOptions& o, Visit&& visit)
 {
-    visit("method", o.method, "how tests are made; automatic: in the cheapest way");
+    visit("method", o.method, "how tests are made; automatic: by the cheapest method");
     visit("probe_share", o.probe_share, {0.0f, 1.0f},
           "share of the time that probes may take while everything is drawn");
     visit("keep_margin", o.keep_margin, {},
-          "tests must hide this many times their cost, or everything is drawn");
+          "draw everything if tests hide less than this many times their cost");
     visit("start_margin", o.start_margin, {},
-          "a probe must promise this many times its cost before anything is tested again");
+          "test again when a probe promises this many times its cost");
     visit("measure", o.measure,
-          "measure costs by the clock; false: the device's hints, repeatable");
-    visit("seed", o.seed, {}, "seed of the choice of nodes that become one entry of the cut again");
+          "measure costs by the clock; false: take the device's hints, so that runs repeat");
+    visit("seed", o.seed, {}, "seed of the random choice of nodes that the cut merges");
     visit("shapes", o.shapes,
-          "test the boxes of an item's shape where the item's own box is not hidden");
+          "test the boxes of an item's shape if the item's own box is not hidden");
 }
 
 } // namespace occlude

@@ -4,7 +4,7 @@
 
 namespace occlude {
 
-// 29.3.2: large on the screen, "a tall wall or a big building".
+// 29.3.2: an occluder is large on the screen, "a tall wall or a big building".
 bool BatchAndWait::is_occluder(const CullFrame& frame, NodeId node) const
 {
     return options_.occluder_share <= 1.0f &&
@@ -36,7 +36,7 @@ void BatchAndWait::cull_frame(CullFrame& frame)
     if (options_.depth_only_pass) {
         frame.use_depth_only_pass();
     }
-    // Objects that are not tested are drawn first: they hide others.
+    // Untested objects are drawn first, because they hide others.
     tested_.clear();
     for (const ObjectTests::Object& object : tests_.collect_near_to_far(frame)) {
         if (frame.near(object.node)) {

@@ -7,12 +7,12 @@
 //             29.4.1, opaque front to back              -> ObjectTests::collect_near_to_far
 //             29.3.1, passes after the first only if seen -> Options::depth_only_pass
 //             29.5.1, 29.6.1, 29.6.2                    -> ObjectTestOptions
-// Deviations  Objects are tested near to far in groups of n, so that a group sees what the groups
-//             before it drew; the chapter tests all n objects of the scene at once (a large
+// Deviations  Objects are tested near to far in groups of n, so that a group is tested against what
+//             earlier groups drew. The chapter tests all n objects of the scene at once (a large
 //             batch_size does that). The chapter leaves open which geometry is drawn first without
-//             a test: here objects whose box covers much of the screen. The chapter also offers to
-//             draw back faces when the eye is in a box, which is not conservative; its other
-//             advice, not to test then, is taken (rule R1).
+//             a test: here, objects whose box covers much of the screen. If the eye is in a box,
+//             the chapter offers to draw back faces, which is not conservative, or not to test;
+//             this class does not test (rule R1).
 // Guarantees  exact with threshold 0: every object in the frustum is drawn, or its own test found
 //             nothing in this frame.
 // Cost        one test and one wait per object in the frustum, one change of state per n tests and
@@ -29,7 +29,8 @@
 namespace occlude {
 
 struct BatchAndWaitOptions {
-    /// n: queries issued before the first of their results is read. 0: as many as the device can.
+    /// n: queries issued before the first of their results is read. 0: as many as the device can
+    /// hold.
     uint32_t batch_size = 32;
     /// Objects whose box covers at least this share of the screen are drawn first, untested.
     float occluder_share = 0.1f;
@@ -80,12 +81,13 @@ template <class Visit>
 void visit_options(BatchAndWaitOptions& o, Visit&& visit)
 {
     visit("batch_size", o.batch_size, {0, 65536},
-          "n: queries before the first result is read; 0: all");
+          "n: queries issued before the first result is read; 0: as many as the device holds");
     visit("occluder_share", o.occluder_share, {0.0f, 2.0f},
-          "objects of at least this share of the screen are drawn first, untested");
+          "objects that cover at least this share of the screen are drawn first, untested");
     visit("threshold", o.threshold, {},
-          "samples up to which an object is hidden; above 0 not exact");
-    visit("depth_only_pass", o.depth_only_pass, "test against a depth-only pass, then shade once");
+          "an object with at most this many visible samples is hidden; above 0 not exact");
+    visit("depth_only_pass", o.depth_only_pass,
+          "test against a depth-only pass, then shade in one batch");
     visit_options(o.tests, visit);
 }
 

@@ -90,7 +90,8 @@ void Chc::cull_frame(CullFrame& frame)
     distance_queue_.push(root, 0.0f, Frustum::kAllPlanes);
 
     while (!distance_queue_.empty() || !query_queue_.empty()) {
-        // Results that are there, or the next one if nothing is left to traverse.
+        // Handles the results that have arrived; waits for the next one if nothing is left to
+        // traverse.
         while (!query_queue_.empty()) {
             const PendingQuery query = query_queue_.front();
             Answer answer =

@@ -38,7 +38,7 @@ struct ChcOptions {
         geometry, ///< by the samples that pass while they are drawn
     };
     VisibleTest visible_test = VisibleTest::box;
-    /// A leaf found visible is drawn without a test in this many frames after.
+    /// A leaf that was found visible is drawn without a test for this many frames.
     uint32_t assume_visible_frames = 0;
     /// A node with at most this many visible samples is hidden. Above 0 the image is approximate.
     uint64_t threshold = 0;
@@ -64,7 +64,7 @@ public:
 private:
     friend class CullerProbe; // of the tests
     struct NodeState {
-        uint32_t last_visited = 0; ///< stamp of the last frame that popped it inside the frustum
+        uint32_t last_visited = 0; ///< stamp of the last frame that visited it inside the frustum
         uint32_t next_test = 0;    ///< stamp from which a visible leaf is tested again
         bool visible = false;
         bool was_visible = false;
@@ -99,10 +99,12 @@ constexpr std::array<std::string_view, 2> option_names(ChcOptions::VisibleTest)
 template <class Visit>
 void visit_options(ChcOptions& o, Visit&& visit)
 {
-    visit("visible_test", o.visible_test, "how visible leaves are tested");
+    visit("visible_test", o.visible_test,
+          "how visible leaves are tested: by their box or by their geometry");
     visit("assume_visible_frames", o.assume_visible_frames, {0, 1'000'000},
-          "frames for which a leaf found visible is drawn without a test");
-    visit("threshold", o.threshold, {}, "samples up to which a node is hidden; above 0 not exact");
+          "frames for which a leaf that was found visible is drawn without a test");
+    visit("threshold", o.threshold, {},
+          "a node with at most this many visible samples is hidden; above 0 not exact");
 }
 
 } // namespace occlude

@@ -51,8 +51,8 @@ void ChcPlusPlus::traverse_node(CullFrame& frame, NodeId node, Decision decision
     }
 }
 
-// Figure 8.4.4: the first test of a node that turned visible comes after 1 .. n_av frames at
-// random, so that nodes that turn visible together are not tested together in all frames to come.
+// Figure 8.4.4: the first test of a node that turned visible comes after 1 to n_av frames, at
+// random. Otherwise nodes that turn visible together would be tested together in all later frames.
 uint32_t ChcPlusPlus::first_test_after(uint32_t stamp, NodeId node) const
 {
     const uint32_t n_av = options_.assume_visible_frames;
@@ -79,7 +79,7 @@ void ChcPlusPlus::add_test(CullFrame& frame, NodeId node)
     batcher_.add_test({&node.value, 1}, add_boxes(frame));
 }
 
-// IssueQuery for all added tests: one change of state.
+// IssueQuery for all added tests, with one change of state.
 void ChcPlusPlus::submit(CullFrame& frame)
 {
     if (frame.queued_triangles() >= options_.min_render_triangles) {
@@ -158,7 +158,7 @@ void ChcPlusPlus::handle_node(CullFrame& frame, NodeId node, bool visible, Decis
         state.frames_hidden = 0;
         pull_up_visibility(node);
     } else if (state.was_visible) {
-        state.frames_hidden = 0; // drawn in this frame; hidden from the next one on
+        state.frames_hidden = 0; // the node is drawn in this frame and hidden from the next one on
     } else {
         ++state.frames_hidden;
         frame.decide(node, if_hidden);
@@ -189,7 +189,8 @@ void ChcPlusPlus::handle_results(CullFrame& frame)
         Answer answer = frame.poll(query.ticket);
         if (answer.state == AnswerState::pending) {
             if (!distance_queue_.empty()) {
-                return; // go on traversing: draining here would make this stop-and-wait per batch
+                return; // Goes on traversing. Draining the queue here would make this stop-and-wait
+                        // per batch.
             }
             if (!v_queue_.empty()) {
                 issue_visible(frame, options_.v_fill);
@@ -258,12 +259,13 @@ void ChcPlusPlus::cull_frame(CullFrame& frame)
             visit_node(frame, distance_queue_.pop());
         }
         if (distance_queue_.empty()) {
-            issue_multiqueries(frame); // no nodes to traverse: issue what there is
+            issue_multiqueries(frame); // nothing is left to traverse: issue the tests that there
+                                       // are
         }
     }
 
-    // Everything visible is known. The rest of the v-queue is one batch; its results must be read
-    // before the next frame classifies nodes by them.
+    // Everything visible is known. The rest of the v-queue is one batch. Its results must be read
+    // in this frame, because the next frame classifies nodes by them.
     frame.flush_draws();
     issue_visible(frame, v_queue_.size());
     handle_results(frame);

@@ -48,26 +48,30 @@ namespace occlude {
 struct ChcPlusPlusOptions {
     /// b: the i-queue is tested when it holds this many nodes. 1 switches batching off.
     uint32_t batch_size = 50;
-    /// Visible leaves wait in the v-queue and fill waits; false: tested when they are reached.
+    /// Visible leaves wait in the v-queue, and their tests fill waits. false: they are tested when
+    /// they are reached.
     bool v_queue = true;
-    /// How many leaves of the v-queue fill one wait. The paper takes one; each costs a flush.
+    /// How many leaves of the v-queue are tested during one wait. The paper takes one; each costs a
+    /// flush.
     uint32_t v_fill = 16;
-    /// Leaves wait in the render queue until the next batch of tests; false: drawn one by one.
+    /// Leaves wait in the render queue until the next batch of tests. false: they are drawn one by
+    /// one.
     bool render_queue = true;
-    /// The render queue is not flushed before a batch of tests while it holds fewer triangles. More
-    /// batching, but later occluders: more is drawn.
+    /// The render queue is flushed before a batch of tests only if it holds at least this many
+    /// triangles. A larger number saves flushes, but occluders are drawn later and fewer nodes are
+    /// hidden.
     uint32_t min_render_triangles = 0;
     /// n_av: a visible leaf is tested every this many frames.
     uint32_t assume_visible_frames = 10;
     /// Randomises the first test of a leaf that turned visible; false: after n_av frames.
     bool jitter = true;
     /// d_max: how many levels below a node its tight bounds may come from. 0: its own box only. The
-    /// paper takes 3, where boxes are nearly free; where each costs like dozens of triangles
-    /// (software OpenGL) 1 is faster: docs/algorithms/chc_plus_plus.md has the figures.
+    /// paper takes 3 because its boxes are nearly free. On software OpenGL, where a box costs as
+    /// much as dozens of triangles, 1 is faster (docs/algorithms/chc_plus_plus.md).
     uint32_t tight_bounds_depth = 1;
-    /// s_max: the tight bounds' area is at most this many times the node's.
+    /// s_max: the area of the tight bounds is at most this many times the area of the node's box.
     float tight_bounds_area = 1.4f;
-    /// Virtual leaves of the hierarchy count as leaves; false: only nodes without children do.
+    /// Virtual leaves of the hierarchy count as leaves. false: only nodes without children do.
     bool virtual_leaves = true;
 
     enum class Multiqueries : uint8_t {
@@ -99,10 +103,11 @@ public:
 private:
     friend class CullerProbe; // of the tests
     struct NodeState {
-        uint32_t last_visited = 0;  ///< stamp of the last frame that popped it inside the frustum
+        uint32_t last_visited = 0;  ///< stamp of the last frame that visited it inside the frustum
         uint32_t next_test = 0;     ///< stamp from which a visible leaf is tested again
-        uint32_t frames_hidden = 0; ///< i: how many tests in a row found it hidden
-        PlaneMask mask = 0;         ///< frustum planes its children need to test, this frame
+        uint32_t frames_hidden = 0; ///< i: the number of consecutive tests that found it hidden
+        PlaneMask mask = 0;         ///< frustum planes that its children must be tested against in
+                                    ///< this frame
         bool visible = false;
         bool was_visible = false;
     };
@@ -154,24 +159,29 @@ template <class Visit>
 void visit_options(ChcPlusPlusOptions& o, Visit&& visit)
 {
     visit("batch_size", o.batch_size, {1, 1'000'000},
-          "b: nodes in the i-queue before it is tested; 1: no batching");
-    visit("v_queue", o.v_queue, "visible leaves wait in the v-queue and fill waits");
-    visit("v_fill", o.v_fill, {1, 1'000'000}, "leaves of the v-queue that fill one wait");
-    visit("render_queue", o.render_queue, "leaves wait in the render queue until the next tests");
+          "b: the i-queue is tested when it holds this many nodes; 1: no batching");
+    visit("v_queue", o.v_queue, "visible leaves wait in the v-queue, and their tests fill waits");
+    visit("v_fill", o.v_fill, {1, 1'000'000},
+          "how many leaves of the v-queue are tested during one wait");
+    visit("render_queue", o.render_queue,
+          "leaves wait in the render queue until the next batch of tests");
     visit("min_render_triangles", o.min_render_triangles, {},
-          "render queue is not flushed before tests while it holds fewer triangles");
+          "the render queue is flushed before tests only if it holds this many triangles");
     visit("assume_visible_frames", o.assume_visible_frames, {1, 1'000'000},
           "n_av: a visible leaf is tested every this many frames");
     visit("jitter", o.jitter, "randomise the first test of a leaf that turned visible");
     visit("tight_bounds_depth", o.tight_bounds_depth, {0, 32},
-          "d_max: levels of tight bounds; 0: off");
+          "d_max: levels below a node that its tight bounds come from; 0: off");
     visit("tight_bounds_area", o.tight_bounds_area, {0.0f, 1000.0f},
-          "s_max: their area over the node's area");
-    visit("virtual_leaves", o.virtual_leaves, "virtual leaves of the hierarchy count as leaves");
-    visit("multiqueries", o.multiqueries, "group long-hidden nodes in one test");
-    visit("depth_only_pass", o.depth_only_pass, "cull in a depth-only pass, then shade once");
-    visit("threshold", o.threshold, {}, "samples up to which a node is hidden; above 0 not exact");
-    visit("seed", o.seed, {}, "of the jitter");
+          "s_max: largest area of the tight bounds, in areas of the node's box");
+    visit("virtual_leaves", o.virtual_leaves, "count virtual leaves of the hierarchy as leaves");
+    visit("multiqueries", o.multiqueries,
+          "whether nodes that stay hidden share a test, and by which probability");
+    visit("depth_only_pass", o.depth_only_pass,
+          "cull in a depth-only pass, then shade in one batch");
+    visit("threshold", o.threshold, {},
+          "a node with at most this many visible samples is hidden; above 0 not exact");
+    visit("seed", o.seed, {}, "seed of the jitter");
 }
 
 } // namespace occlude

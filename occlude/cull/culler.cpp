@@ -38,7 +38,7 @@ void Culler::report_faults(const CullFrame& frame, const FrameReport& report)
     if ((size.x <= 0 || size.y <= 0) && messages_.due("culler.empty_view")) {
         messages_.report(Severity::note, "culler.empty_view",
                          "the view is " + std::to_string(size.x) + "x" + std::to_string(size.y) +
-                             " pixels, so that nothing can be culled: give View::from_clip the "
+                             " pixels, so nothing can be culled: give View::from_clip the "
                              "size of the viewport");
     }
     if (report.counters.lost_answers > 0 && messages_.due("culler.lost_answers")) {
@@ -50,17 +50,18 @@ void Culler::report_faults(const CullFrame& frame, const FrameReport& report)
     }
     if (frame.depth_read_failed() && messages_.due("culler.depth_read")) {
         messages_.report(Severity::warning, "culler.depth_read",
-                         "the device says that it can read depth, and failed to in frame " +
+                         "the device can read depth by its caps, but a read failed in frame " +
                              std::to_string(report.frame) +
-                             ": what would have been tested is drawn");
+                             ": the nodes that needed it are drawn untested");
     }
     if (report.plan.reason == FramePlan::Reason::useless_clock &&
         messages_.due("culler.useless_clock")) {
-        messages_.report(Severity::note, "culler.useless_clock",
-                         "the clock does not move while the device is waited for, so that costs "
-                         "are taken from the device's hints: give a clock of at least a "
-                         "microsecond's resolution that moves within a frame, such as "
-                         "steady_seconds_clock()");
+        messages_.report(
+            Severity::note, "culler.useless_clock",
+            "the clock does not advance while the culler waits for the device, so costs "
+            "are taken from the device's hints: give a clock of at least a "
+            "microsecond's resolution that moves within a frame, such as "
+            "steady_seconds_clock()");
     }
 }
 

@@ -1,4 +1,4 @@
-// The interface of every algorithm: an object per view that culls one frame per call.
+// The interface of every algorithm: one object per view, whose cull() makes one frame.
 #pragma once
 
 #include <occlude/core/frame_report.h>
@@ -15,11 +15,12 @@
 
 namespace occlude {
 
-/// A hierarchy that outlives the expression it is named in. A temporary would be gone before the
-/// first frame, so `ChcPlusPlus culler(build_bvh(items));` does not compile.
+/// Refuses a temporary hierarchy, which would be destroyed before the first frame: `ChcPlusPlus
+/// culler(build_bvh(items));` does not compile.
 class HierarchyRef {
 public:
-    HierarchyRef(const Hierarchy& hierarchy) // implicit, so that callers pass the hierarchy itself
+    HierarchyRef(const Hierarchy& hierarchy) // implicit, so that callers can pass the hierarchy
+                                             // itself
         : hierarchy_(&hierarchy)
     {
     }
@@ -41,9 +42,10 @@ class Culler {
 public:
     using Options = NoOptions;
 
-    /// Keeps a reference: `hierarchy` outlives the culler and stays where it is. It may be refitted
-    /// or assigned another one between frames; a changed structure resets the culler by itself.
-    /// After it was moved away the culler has nothing to draw: asserting builds say so.
+    /// Keeps a reference: `hierarchy` must outlive the culler and stay at its address. Between
+    /// frames it may be refitted, or another hierarchy may be assigned to it; a changed structure
+    /// resets the culler. If it was moved from, the culler draws nothing, and builds with
+    /// assertions stop.
     explicit Culler(HierarchyRef hierarchy)
         : hierarchy_(hierarchy)
     {
@@ -52,31 +54,32 @@ public:
     Culler(const Culler&) = delete;
     Culler& operator=(const Culler&) = delete;
 
-    /// Culls and draws one whole frame: begin_frame to end_frame on `device`. An exception from
-    /// `device` passes through, after end_frame; the next cull() then starts from a reset.
+    /// Culls and draws one whole frame on `device`, from begin_frame to end_frame. An exception
+    /// from `device` passes through after end_frame, and the next cull() starts from a reset.
     FrameReport cull(const View& view, QueryDevice& device);
 
     /// Forgets everything seen and all work under way: for a camera cut, a new level, another
-    /// device. Tests without an answer are abandoned: the next frames spend their tickets.
+    /// device. Tests without an answer are abandoned, and the next frames spend their tickets.
     void reset();
 
-    /// Forgets everything seen, and spends the tickets that it still owes `device`, the one of its
-    /// last frames: for a culler that is destroyed before the device. Blocks until the tests are
-    /// answered; comes between frames.
+    /// Forgets everything seen, and spends the tickets that are still unspent on `device`, which is
+    /// the device of its last frames. Call it between frames, before a culler that the device
+    /// outlives is destroyed. Blocks until the tests are answered.
     void release(QueryDevice& device);
 
     /// The items drawn by the last cull(), in draw order, each once. Valid until the next cull().
     std::span<const ItemId> drawn_items() const { return record_.drawn_items; }
 
-    /// The decisions of the last cull(), and why; of a never_cull item, the decision about its
-    /// node. Valid until the next cull().
+    /// The decisions of the last cull() and their reasons; for a never_cull item, the decision
+    /// about its node. Valid until the next cull().
     const DecisionLog& decisions() const { return record_.decisions; }
 
     const Hierarchy& hierarchy() const { return hierarchy_; }
 
-    /// Who hears of faults of the device and of the view; nobody by default. Each is reported once:
+    /// The receiver of faults of the device and of the view; none by default. Each fault is
+    /// reported once:
     ///   culler.lost_answers   the device lost answers, which count as visible
-    ///   culler.depth_read     the device says that it can read depth, and failed to
+    ///   culler.depth_read     a read-back of depth failed
     ///   culler.empty_view     the view has no pixel: nothing is culled
     ///   culler.useless_clock  the host's clock stands still or is coarse: hints are used
     void set_message_handler(MessageHandler handler) { messages_ = Messages{std::move(handler)}; }
@@ -84,21 +87,21 @@ public:
 protected:
     /// One frame of the algorithm. `frame` counts from 0 since the last reset.
     virtual void cull_frame(class CullFrame& frame) = 0;
-    /// Clears what cull_frame() has left behind: states, queues, batches. The last frame may have
-    /// ended in the middle.
+    /// Clears everything that cull_frame() leaves: states, queues, batches. The last frame may have
+    /// ended half-way.
     virtual void reset_state() = 0;
-    /// The hierarchy's node ids have lost their meaning since the last frame. Forgets everything,
-    /// unless an algorithm knows better.
+    /// Called when the node ids of the hierarchy have lost their meaning since the last frame.
+    /// Forgets everything; an algorithm whose state survives overrides it.
     virtual void structure_changed() { reset(); }
     virtual Guarantee guarantee() const { return Guarantee::exact(); }
-    /// The guarantee of frames in which tests that count at most `threshold` samples hide.
+    /// The guarantee of a frame in which a node with at most `threshold` visible samples is hidden.
     static Guarantee by_threshold(uint64_t threshold)
     {
         return threshold == 0 ? Guarantee::exact() : Guarantee::approximate(threshold);
     }
 
-    /// Gives up a test that is not answered yet: the frames to come spend its ticket as soon as its
-    /// answer is there, so that the device can use the place for another test.
+    /// Gives up a test that has no answer yet. Later frames spend its ticket as soon as the answer
+    /// arrives, so that the device can use the place for another test.
     void abandon(Ticket ticket) { record_.tickets.abandon(ticket); }
 
 private:
@@ -107,7 +110,7 @@ private:
     const Hierarchy& hierarchy_;
     uint64_t seen_structure_ = 0;
     uint64_t next_frame_ = 0;
-    bool in_frame_ = false; ///< cull() was entered and did not return
+    bool in_frame_ = false; ///< cull() was entered and has not returned
     FrameRecord record_;    ///< of the last frame
     Messages messages_;
 };

@@ -1,4 +1,4 @@
-// View frustum culling and nothing else: the baseline that every method is compared with.
+// View frustum culling alone: the baseline that all other algorithms are compared with.
 //
 // Implements  hierarchical view frustum culling with plane masking, near to far.
 // Deviations  none: one draw batch for the whole frame, so that the engine can sort as it likes.

@@ -12,7 +12,7 @@ using Traversal = LazyGridOptions::Traversal;
 using Source = LazyGridOptions::Source;
 using Bounds = LazyGridOptions::Bounds;
 
-// Heaps with the frontmost volume on top; of equally near ones that with the smallest id.
+// Heaps with the frontmost volume on top. Of equally near volumes, the smallest id comes first.
 constexpr auto by_znear = [](const auto& a, const auto& b) {
     return a.bounds.near_depth != b.bounds.near_depth ? a.bounds.near_depth > b.bounds.near_depth
                                                       : a.node > b.node;
@@ -79,7 +79,7 @@ bool LazyGrid::is_occluded(CullFrame& frame, const Volume& volume)
            !border_cell_is_free_with_pixel_query(frame, volume);
 }
 
-// The answer of is_occluded() where the states of the cells are enough for it.
+// The answer of is_occluded() if the states of the cells decide it.
 LazyGrid::Verdict LazyGrid::verdict_of_states(const Volume& volume)
 {
     if (!volume.bounds.valid) {
@@ -99,7 +99,8 @@ bool LazyGrid::internal_cell_is_free_without_pixel_query(const Volume& volume)
     internal_.clear();
     const float znear = depth_to_beat(volume);
     const CellRange cells = internal_cells(volume);
-    // Where pixels are read, the faces of a box may hide it at the pixel that is known to be free.
+    // If depth is read back, the faces of a box may be hidden at the pixel that is known to be
+    // free.
     const bool pixels_tell_more = tested_ != nullptr && options_.source == Source::depth;
     for (int y = cells.begin.y; y < cells.end.y; ++y) {
         for (int x = cells.begin.x; x < cells.end.x; ++x) {
@@ -159,11 +160,12 @@ bool LazyGrid::border_cell_is_free_with_pixel_query(CullFrame& frame, const Volu
 
 PixelQuestion LazyGrid::question(const Volume& volume)
 {
-    // A cell is only asked after its states were compared with the faces, if there are any.
+    // Cells are asked only after choose_faces(), so that faces_ belongs to this volume.
     return {volume.node, depth_to_beat(volume), faces_ ? &*faces_ : nullptr};
 }
 
-// znear, or zmax where covered pixels hide: a volume is hidden where all pixels are nearer.
+// The depth that all pixels must be nearer than to hide the volume: its znear, or zmax if covered
+// pixels hide.
 float LazyGrid::depth_to_beat(const Volume& volume)
 {
     return covered_hides_ ? pixels_->uncovered_depth() : volume.bounds.near_depth;
@@ -178,13 +180,13 @@ CellRange LazyGrid::internal_cells(const Volume& volume) const
     return large ? grid_.touched(rect) : grid_.internal(rect);
 }
 
-// Section 6: so little was drawn into the cell that it is not worth asking.
+// Section 6: so little was drawn into the cell that a look at its pixels is not worth its cost.
 bool LazyGrid::is_improbable(const OcclusionGrid::Cell& cell) const
 {
     return static_cast<double>(cell.covered) < options_.free_below_covered;
 }
 
-// With Bounds::faces the box of a volume with items is compared as the space between its faces.
+// With Bounds::faces, the box of a volume with items is tested as the space between its faces.
 void LazyGrid::choose_faces(const Volume& volume)
 {
     const bool by_faces = options_.bounds == Bounds::faces && has_objects(volume.node);
@@ -192,7 +194,7 @@ void LazyGrid::choose_faces(const Volume& volume)
     faces_.reset();
 }
 
-// Of the tested box, made when they are first needed.
+// The faces of the tested box, computed at the first call.
 const ScreenBox& LazyGrid::faces()
 {
     if (!faces_) {
@@ -201,7 +203,7 @@ const ScreenBox& LazyGrid::faces()
     return *faces_;
 }
 
-// True if nothing of the box in `part` of the cell can be seen, by its faces and the cell's zfar.
+// True if, by its faces and the cell's zfar, no point of the box in `part` of the cell is visible.
 bool LazyGrid::faces_are_behind(const OcclusionGrid::Cell& cell, const PixelRect& part)
 {
     return tested_ != nullptr &&
@@ -234,8 +236,8 @@ void LazyGrid::initialize(CullFrame& frame)
     if (options_.bounds == Bounds::faces) {
         screen_ = ScreenSpace{frame.view(), frame.samples()};
     }
-    // Items with ItemFlags::never_cull are queued before everything else, however far they are:
-    // then a covered pixel hides nothing, and boxes are compared with depth.
+    // Items with ItemFlags::never_cull are queued before everything else, however far they are.
+    // Then a covered pixel proves nothing, and boxes are compared with depth.
     covered_hides_ = options_.variant == Variant::occlusion_buffer && frame.queued_items() == 0;
     test_list_.clear();
     draw_list_.clear();
@@ -256,9 +258,9 @@ std::span<const LazyGrid::Volume> LazyGrid::frontmost(std::span<const Volume> he
     return heap.first(heap.empty() ? 0 : 1);
 }
 
-// True if the frontmost volume of the draw list lies wholly before all of `tests`. With equal
-// depths the test comes first: every drawn volume is then nearer than everything that is not tested
-// yet, as the occlusion buffer needs it.
+// True if the frontmost volume of the draw list lies wholly before all of `tests`. If the depths
+// are equal, the test comes first. So every drawn volume is nearer than all volumes that are not
+// tested yet, which the occlusion buffer relies on.
 bool LazyGrid::draw_comes_before(std::span<const Volume> tests) const
 {
     return !draw_list_.empty() && std::all_of(tests.begin(), tests.end(), [&](const Volume& test) {
@@ -266,7 +268,8 @@ bool LazyGrid::draw_comes_before(std::span<const Volume> tests) const
     });
 }
 
-// Decides by the states of the cells, or lets the volume wait for a look at pixels.
+// Decides by the states of the cells; if they do not suffice, the volume waits for a look at
+// pixels.
 void LazyGrid::test(CullFrame& frame, const Volume& volume)
 {
     const Verdict verdict = verdict_of_states(volume);
@@ -280,8 +283,8 @@ void LazyGrid::test(CullFrame& frame, const Volume& volume)
     }
 }
 
-// Tests all of them before anything is drawn. Revealed objects go to the device at once, so that
-// it draws while the next tests are found.
+// Tests all waiting volumes before it draws anything. Then it starts the draws of the visible ones
+// at once, so that the device works while the next tests are found.
 void LazyGrid::test_waiting(CullFrame& frame)
 {
     verdicts_.clear();
@@ -334,11 +337,12 @@ void LazyGrid::draw(CullFrame& frame, const Volume& volume)
 
 // --- section 7: the busy update ------------------------------------------------------------------
 
-// Finds the state of all cells in the image area of what was drawn, for comparison.
+// Finds the state of all cells that the drawn volume's rectangle touches, to compare with the lazy
+// update.
 void LazyGrid::update_busily(CullFrame& frame, const Volume& drawn)
 {
     if (options_.source == Source::queries && !covered_hides_) {
-        return; // a query answers for one depth, and there is no box yet to be tested
+        return; // a query answers for one depth, and no box is being tested yet
     }
     internal_.clear();
     const CellRange touched = grid_.touched(drawn.bounds.rect);
@@ -360,7 +364,8 @@ void LazyGrid::update_states(CullFrame& frame, NodeId subject)
         pixels_->any_pixel_is_free(frame, grid_, states, internal_);
         return;
     }
-    for (const AskedCell& asked : internal_) { // one by one: a free cell ends no question
+    for (const AskedCell& asked : internal_) { // one by one, because a free cell would end a
+                                               // question over several
         pixels_->any_pixel_is_free(frame, grid_, states, {&asked, 1});
     }
 }

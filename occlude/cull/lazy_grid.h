@@ -18,21 +18,21 @@
 // Deviations  One isOccluded serves both variants: the occlusion buffer is the z-buffer asked about
 //             depth zmax = 1. Fig. 3 calls a border cell free if its zfar is zmax. That is wrong
 //             for a cell that was drawn into since, and needlessly visible for a cell that is
-//             partly sky; here, as in Fig. 2, only a cell that nothing was drawn into is free
-//             unasked. A cell that a query found free remembers at which depth. Boxes that the near
-//             plane may touch are visible (rule R1). Both traversals test the frustum when a box
-//             enters the list (Fig. 6), not when it leaves it (Fig. 4). Tests that need pixels are
-//             made several at a time (tests_at_once; 1 is the paper). With bounds=faces the box of
-//             a node with items is compared as a box, not as its rectangle at its nearest depth.
-//             Sec. 6 adds up the areas of primitives; here the rectangles of drawn boxes. With the
-//             occlusion buffer and items that are drawn out of turn (never_cull), boxes are
-//             compared with depth: a covered pixel proves nothing then.
+//             partly sky. Here, as in Fig. 2, a cell is free without a pixel query only if nothing
+//             was drawn into it. A cell that a query found free remembers at which depth. Boxes
+//             that the near plane may touch are visible (rule R1). Both traversals test the frustum
+//             when a box enters the list (Fig. 6), not when it leaves it (Fig. 4). Several tests
+//             that need pixels are made together (tests_at_once; 1 is the paper). With bounds=faces
+//             the box of a node with items is compared as a box, not as its rectangle at its
+//             nearest depth. Sec. 6 adds up the areas of primitives, this class the rectangles of
+//             drawn boxes. If items are drawn out of turn (never_cull), the occlusion buffer
+//             compares boxes with depth, because a covered pixel then proves nothing.
 // Guarantees  exact, with every option: a box is hidden only if, in this frame, all pixels of its
 //             screen rectangle were seen to be nearer than its nearest depth, or than the box at
-//             that pixel. Keeps nothing between frames: camera cuts and moving objects cost nothing
-//             extra.
-// Cost        needs depth in the same frame: each change from drawing to looking waits for the
-//             device to finish. A cell asked costs the reading of at most cell_size^2 pixels.
+//             the same pixel. Nothing is kept between frames: camera cuts and moving objects cost
+//             nothing extra.
+// Cost        Each change from drawing to reading waits for the device to finish. A pixel query of
+//             a cell reads at most cell_size^2 pixels. Needs depth in the same frame.
 #pragma once
 
 #include <occlude/core/option_range.h>
@@ -59,17 +59,20 @@ struct LazyGridOptions {
     };
     enum class Update : uint8_t {
         lazy, ///< a cell is looked at when a test needs it
-        busy, ///< all cells of a drawn box are looked at after its draw, for comparison
+        busy, ///< all cells of a drawn box are looked at after its draw (sec. 7, for comparison)
     };
     enum class Traversal : uint8_t {
-        one_list,  ///< boxes by nearest depth; visible ones are drawn at once (Fig. 4)
-        two_lists, ///< tests by nearest, draws by farthest depth, whichever is less (Fig. 6)
+        one_list,  ///< one list of boxes by nearest depth; visible boxes are drawn at once (Fig. 4)
+        two_lists, ///< tests by nearest and draws by farthest depth; the nearer of the two comes
+                   ///< next (Fig. 6)
     };
     enum class Source : uint8_t {
-        depth,   ///< pixels are read back: QueryDevice::read_depth, hardware or software buffer
-        queries, ///< occlusion queries of rectangles in a cell; z_buffer is then always lazy
+        depth,   ///< pixels are read back by QueryDevice::read_depth, from a hardware or software
+                 ///< buffer
+        queries, ///< occlusion queries of rectangles in a cell; z_buffer is then always updated
+                 ///< lazily
     };
-    using Join = CellPixels::Join; ///< what one look at pixels takes
+    using Join = CellPixels::Join; ///< what one look at pixels reads
     enum class Bounds : uint8_t {
         rectangle, ///< a box is its rectangle of pixels at its nearest depth, as in the paper
         faces,     ///< the box of a node with items is the space between its faces
@@ -83,21 +86,22 @@ struct LazyGridOptions {
     Bounds bounds = Bounds::rectangle;
     /// Side of a cell in pixels.
     uint32_t cell_size = 32;
-    /// A test that needs pixels waits until this many do. All of them then look at the same depth:
-    /// that saves changes from drawing to looking, and finds fewer boxes hidden that lie just
-    /// behind each other. 1: each test at once, as in the paper.
+    /// A test that needs pixels waits until there are this many. They all look at the same depth,
+    /// which saves changes from drawing to reading, but boxes that lie close behind one another are
+    /// not hidden by one another. 1: no test waits, as in the paper.
     uint32_t tests_at_once = 32;
-    /// Section 6: a cell that must be asked counts as free, unasked, while the rectangles of the
-    /// boxes drawn into it add up to less than this share of its area. 0: off.
+    /// Section 6: a cell counts as free without a pixel query while the rectangles of the boxes
+    /// drawn into it add up to less than this share of its area. 0: off.
     double free_below_covered = 0.0;
-    /// Section 6: a border cell of which the box covers at least this share is asked as a whole, so
-    /// that the answer can be kept. 0: off.
+    /// Section 6: if the box covers at least this share of a border cell, the whole cell is
+    /// queried, so that the answer can be kept. 0: off.
     double whole_cell_share = 0.0;
     /// Section 6: a box whose rectangle has at least this many pixels has only internal cells. 0:
     /// off.
     uint64_t internal_above_pixels = 0;
-    /// With Source::depth: read the farthest depth of tiles of this many pixels along a side,
-    /// reduced on the device, where it has such tiles. `join` is then `target`. 1: pixels.
+    /// With Source::depth: reads the farthest depth of tiles of this many pixels along a side,
+    /// which the device reduces, if it offers such tiles. `join` is then `target`. 1: reads single
+    /// pixels.
     uint32_t tile = 1;
 };
 
@@ -115,7 +119,7 @@ public:
 
     explicit LazyGrid(HierarchyRef hierarchy, LazyGridOptions options = {});
 
-    /// The cells as the last frame left them; the viewer draws them.
+    /// The cells as the last frame left them, for the viewer.
     const OcclusionGrid& grid() const { return grid_; }
 
 private:
@@ -156,7 +160,8 @@ private:
     void test_waiting(CullFrame& frame);
     void handle(CullFrame& frame, const Volume& volume, Verdict verdict);
     void draw(CullFrame& frame, const Volume& volume);
-    bool has_objects(NodeId node) const ///< as direct children: they are drawn if it is visible
+    bool has_objects(NodeId node) const ///< its items are direct children, which are drawn if it is
+                                        ///< visible
     {
         return hierarchy().is_leaf(node) || hierarchy().node(node).own_items > 0;
     }
@@ -173,12 +178,13 @@ private:
 
     LazyGridOptions options_;
     Sources sources_;
-    CellPixels* pixels_ = nullptr; ///< the one of this frame
+    CellPixels* pixels_ = nullptr; ///< the source of this frame
     OcclusionGrid grid_;
-    bool covered_hides_ = false;     ///< in this frame: the occlusion-buffer variant
+    bool covered_hides_ = false;     ///< in this frame, covered pixels hide (the occlusion-buffer
+                                     ///< variant)
     ScreenSpace screen_;             ///< with Bounds::faces
-    const Aabb* tested_ = nullptr;   ///< with Bounds::faces: the box that is tested, ...
-    std::optional<ScreenBox> faces_; ///< ... and its faces, once they were needed
+    const Aabb* tested_ = nullptr;   ///< with Bounds::faces: the tested box ...
+    std::optional<ScreenBox> faces_; ///< ... and its faces, after the first call of faces()
     std::vector<Volume> test_list_;  ///< a heap by znear
     std::vector<Volume> draw_list_;  ///< a heap by zfar
     std::vector<Volume> waiting_;    ///< tests that need pixels
@@ -214,23 +220,27 @@ constexpr std::array<std::string_view, 2> option_names(LazyGridOptions::Bounds)
 template <class Visit>
 void visit_options(LazyGridOptions& o, Visit&& visit)
 {
-    visit("variant", o.variant, "what hides a box: nearer pixels, or covered pixels");
+    visit("variant", o.variant,
+          "what hides a box: pixels that are nearer, or pixels that are covered");
     visit("update", o.update, "when a cell is looked at: if a test needs it, or after each draw");
-    visit("traversal", o.traversal, "one list by nearest depth, or one of tests and one of draws");
-    visit("source", o.source, "how pixels are looked at: read back, or by occlusion queries");
-    visit("join", o.join, "what one read-back or query batch takes");
-    visit("bounds", o.bounds, "what is compared with depth: a box's rectangle, or its faces");
+    visit("traversal", o.traversal,
+          "one list by nearest depth, or a list of tests and a list of draws");
+    visit("source", o.source, "how pixels are looked at: by read-back, or by occlusion queries");
+    visit("join", o.join,
+          "what one read-back or query batch covers: a cell, rows of cells, or the target");
+    visit("bounds", o.bounds, "what is compared with depth: the rectangle of a box, or its faces");
     visit("cell_size", o.cell_size, {1, 32768}, "side of a cell in pixels");
     visit("tests_at_once", o.tests_at_once, {1, 1'000'000},
-          "how many tests that need pixels wait for each other; 1: none, as in the paper");
+          "tests that need pixels wait until there are this many; 1: none waits, as in the paper");
     visit("free_below_covered", o.free_below_covered, {},
-          "a cell is free, unasked, while drawn boxes cover less than this share of it; 0: off");
+          "a cell counts as free, unread, while drawn boxes cover less than this share of it; 0: "
+          "off");
     visit("whole_cell_share", o.whole_cell_share, {0.0, 1.0},
-          "a border cell is asked as a whole if the box covers this share of it; 0: off");
+          "a border cell is read as a whole if the box covers this share of it; 0: off");
     visit("internal_above_pixels", o.internal_above_pixels, {},
           "a box of at least this many pixels has only internal cells; 0: off");
     visit("tile", o.tile, {1, 1024},
-          "read depth by the farthest of tiles of this many pixels along a side");
+          "read the farthest depth of tiles of this many pixels along a side; 1: pixels");
 }
 
 } // namespace occlude

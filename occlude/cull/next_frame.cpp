@@ -44,7 +44,7 @@ void NextFrame::handle_result(NodeId object, const Answer& answer, uint32_t stam
     const TestedBy test = std::exchange(state.pending, TestedBy::nothing);
     state.samples = answer.samples;
     if (state.issued < state.valid_from) {
-        return; // it was out of sight, or drawn untested, since
+        return; // it was out of sight, or was drawn untested, in the meantime
     }
     const bool visible = is_visible(answer, options_.threshold);
     if (test == TestedBy::geometry) {
@@ -95,7 +95,7 @@ void NextFrame::remember(NodeId object, Ticket ticket, TestedBy test, uint32_t s
     pending_.push_back(object);
 }
 
-// The object's results are forgotten: it is drawn and tested like a new one.
+// Forgets the object's results: it is drawn and tested like a new one.
 void NextFrame::draw_untested(CullFrame& frame, const ObjectTests::Object& object,
                               Decision decision)
 {
@@ -108,8 +108,8 @@ void NextFrame::draw_untested(CullFrame& frame, const ObjectTests::Object& objec
     frame.draw_leaf(object.node, object.mask, decision);
 }
 
-// "Render the object itself" in a query every k frames, or in the first frame if only its box was
-// seen before.
+// "Render the object itself" in a query every k frames, and in the first frame after one in which
+// only its box was found visible.
 void NextFrame::draw_visible(CullFrame& frame, const ObjectTests::Object& object)
 {
     const NodeId node = object.node;

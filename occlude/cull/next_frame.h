@@ -1,5 +1,5 @@
-// Results in the next frame: every object is tested in one frame and drawn by the answer in the
-// next. No wait stalls the frame, and no image is exact.
+// Occlusion queries whose results are read in the next frame: an object is tested in one frame and
+// drawn in the next if the test found it visible. No frame waits, and no image is exact.
 //
 // Implements  D. Sekulic, "Efficient Occlusion Culling", GPU Gems, 2004, ch. 29, section 29.4.
 // Map         29.4, "check the query result from the previous frame" -> collect_results
@@ -10,17 +10,18 @@
 //             29.5.2, the first pass as the test                      -> Options::depth_only_pass
 //             29.5.1, 29.6.1, 29.6.2                                  -> ObjectTestOptions
 //             29.9, level of detail by pixels                         -> visible_samples
-// Deviations  The boxes of hidden objects are tested in one batch when all visible objects are
-//             drawn; the chapter tests each in its turn. The result only counts in the next frame,
-//             and against more depth it hides more. Objects with items that their flags set aside
-//             are tested by their box, too: items that are drawn later cannot be counted now. The
-//             chapter leaves out that an object is taken as visible in its first frame, when it
-//             comes back into the frustum, and after it was drawn untested: its results are old
-//             then. As in chc.h: R1.
+// Deviations  The boxes of hidden objects are tested in one batch after all visible objects are
+//             drawn; the chapter tests each in its turn. The result counts in the next frame either
+//             way, and against more depth a test hides more. Objects with items that their flags
+//             set aside are tested by their box: items that are drawn later cannot be counted now.
+//             An object counts as visible in its first frame, when it comes back into the frustum,
+//             and after it was drawn untested, because its results are old then; the chapter does
+//             not say so. As in chc.h: R1.
 // Guarantees  latent(1) when results are waited for: an object that is missing in frame F became
-//             visible in F. latent(max_latency) when results are polled; `hold_frames` more with
-//             Hysteresis::hide. The same where boxes alone decide (no draw_and_query).
-// Cost        one test per hidden object and frame, one per visible object and k frames; two
+//             visible in F. latent(max_latency) when results are polled. Hysteresis::hide adds
+//             `hold_frames` to the latency. The same holds where boxes alone decide (no
+//             draw_and_query).
+// Cost        one test per hidden object and frame, and one per visible object in k frames; two
 //             changes of state per frame.
 #pragma once
 
@@ -47,17 +48,18 @@ struct NextFrameOptions {
     /// k: a visible object is tested every k frames.
     uint32_t visible_interval = 4;
 
-    /// How to treat an object that is hidden while its box is visible (29.4.2).
+    /// How to treat an object that is hidden although its box is visible (29.4.2).
     enum class Hysteresis : uint8_t {
         off,  ///< it is drawn every other frame or so, as in the chapter
         draw, ///< it is drawn, and tested by its box, until its box is hidden
-        hide, ///< it stays hidden for `hold_frames`, whatever its box says, and is late by them
+        hide, ///< it stays hidden for `hold_frames` even if its box is visible, and may appear
+              ///< that many frames late
     };
     Hysteresis hysteresis = Hysteresis::draw;
-    /// h: for how long Hysteresis::hide does not believe the box.
+    /// h: the number of frames for which Hysteresis::hide ignores a visible box.
     uint32_t hold_frames = 6;
 
-    /// Tests against and by a depth-only pass, then shades everything drawn in one batch.
+    /// Tests in a depth-only pass, then shades everything drawn in one batch.
     bool depth_only_pass = false;
     /// An object with at most this many visible samples is hidden.
     uint64_t threshold = 0;
@@ -70,8 +72,7 @@ public:
     static constexpr AlgorithmTraits kTraits{
         .name = "next_frame",
         .paper = "Sekulic 2004, 29.4",
-        .summary =
-            "draws objects by the answers of the last frame: never waits, is late by a frame",
+        .summary = "draws objects by the answers of the last frame: never waits, is one frame late",
         .needs = {.queries = true},
         .node_use = NodeUse::leaves,
         .exact = false,
@@ -79,9 +80,9 @@ public:
 
     explicit NextFrame(HierarchyRef hierarchy, NextFrameOptions options = {});
 
-    /// The samples that the last answered test of an object counted: its own pixels (times samples
-    /// per pixel) if it was tested by drawing it, else those of its box, which are more.
-    /// Answer::kUnknownSamples before the first answer and for inner nodes.
+    /// The number of samples that the last answered test of an object counted: its own pixels
+    /// (times samples per pixel) if it was tested by drawing it, else the pixels of its box, which
+    /// are more. Answer::kUnknownSamples before the first answer and for inner nodes.
     uint64_t visible_samples(NodeId object) const;
 
 private:
@@ -91,13 +92,14 @@ private:
         uint64_t samples = Answer::kUnknownSamples;
         uint32_t last_seen = 0;    ///< stamp of the last frame in which it was in the frustum
         uint32_t valid_from = 0;   ///< results of tests issued before this stamp say nothing
-        uint32_t hidden_until = 0; ///< stamp until which its box is not believed
+        uint32_t hidden_until = 0; ///< stamp until which a visible box is ignored
         uint32_t issued = 0;       ///< stamp of the pending test
         Ticket ticket;             ///< of the pending test
         TestedBy pending = TestedBy::nothing;
         bool visible = true;
-        bool revealed_by_box = false; ///< drawn because of its box, not yet seen itself
-        bool test_by_box = false;     ///< Hysteresis::draw holds it
+        bool revealed_by_box = false; ///< drawn because its box is visible; its own geometry was
+                                      ///< not counted yet
+        bool test_by_box = false;     ///< Hysteresis::draw keeps it drawn
     };
 
     void cull_frame(CullFrame& frame) override;
@@ -133,16 +135,19 @@ constexpr std::array<std::string_view, 3> option_names(NextFrameOptions::Hystere
 template <class Visit>
 void visit_options(NextFrameOptions& o, Visit&& visit)
 {
-    visit("read", o.read, "how the last frame's results are read");
+    visit("read", o.read, "how the results of the last frame are read: wait for all, or poll");
     visit("max_latency", o.max_latency, {1, 1000},
           "frames after which a polled result is waited for");
     visit("visible_interval", o.visible_interval, {1, 1'000'000},
           "k: a visible object is tested every this many frames");
-    visit("hysteresis", o.hysteresis, "an object that is hidden while its box is visible");
+    visit("hysteresis", o.hysteresis,
+          "what happens to an object that is hidden although its box is visible");
     visit("hold_frames", o.hold_frames, {0, 1'000'000},
-          "h: frames for which hysteresis=hide disbelieves the box");
-    visit("depth_only_pass", o.depth_only_pass, "test by a depth-only pass, then shade once");
-    visit("threshold", o.threshold, {}, "samples up to which an object is hidden");
+          "h: frames for which hysteresis=hide ignores a visible box");
+    visit("depth_only_pass", o.depth_only_pass,
+          "test in a depth-only pass, then shade in one batch");
+    visit("threshold", o.threshold, {},
+          "an object with at most this many visible samples is hidden");
     visit_options(o.tests, visit);
 }
 

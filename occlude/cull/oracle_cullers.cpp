@@ -17,7 +17,7 @@ void Opt::record(const View& view, QueryDevice& device, std::span<const ItemId>)
 void Opt::cull_frame(CullFrame& frame)
 {
     if (recorded_structure_ != hierarchy().structure_version()) {
-        walk_.draw_all(frame); // what was recorded names nodes that are gone
+        walk_.draw_all(frame); // the recorded node ids belong to an older tree
         return;
     }
     for (const DecisionLog::Entry& entry : pass_.decisions().entries()) {
@@ -85,7 +85,7 @@ void Ideal::record(const View& view, QueryDevice&, std::span<const ItemId> owner
 void Ideal::cull_frame(CullFrame& frame)
 {
     if (recorded_structure_ != hierarchy().structure_version()) {
-        walk_.draw_all(frame); // what was recorded names items that may be gone
+        walk_.draw_all(frame); // the recorded item ids may belong to an older tree
         return;
     }
     frame.draw_items(visible_, visible_triangles_);

@@ -1,14 +1,14 @@
-// The two ideals to compare with: what a culler could reach that knew the answer beforehand.
+// Two ideals to compare with: cullers that are told beforehand what is visible.
 //
-//   opt    draws exactly the leaves that an exact stop-and-wait pass found visible: the least that
-//          tests of this hierarchy's boxes can draw. (Mattausch, Bittner, Wimmer 2008 compare with
-//          it; it is not the optimum of a cost model that other papers call OPT.)
-//   ideal  draws exactly the items that own at least one pixel: the exact visible set, which no box
-//          can reach; and the translucent items in the frustum, which own none. The distance from
-//          opt to ideal is the looseness of the boxes.
+//   opt    draws exactly the leaves that an exact stop-and-wait pass found visible. Tests of this
+//          hierarchy's boxes cannot draw less. Mattausch, Bittner, Wimmer 2008 compare with it. (It
+//          is not the optimum of a cost model that other papers call OPT.)
+//   ideal  draws exactly the items that own at least one pixel, and the translucent items in the
+//          frustum, which own none. This is the exact visible set, which no test of boxes can
+//          reach. The distance from opt to ideal is the looseness of the boxes.
 //
-// Guarantees  exact. Neither issues a test in cull(); record() finds the answer beforehand,
-//             untimed. If the tree was replaced since, both draw everything in the frustum.
+// Guarantees  exact. cull() issues no test: record() finds the answer beforehand, untimed. If the
+//             tree was replaced since then, both draw everything in the frustum.
 #pragma once
 
 #include <occlude/cull/culler.h>
@@ -21,12 +21,12 @@
 namespace occlude {
 
 /// Cullers that must be told beforehand what is visible: call record() with the frame's view before
-/// the frame is culled. `opt` finds the leaves by an exact stop-and-wait pass on the device;
-/// `ideal` is told the items that own a pixel.
+/// cull(). `opt` finds the visible leaves by an exact stop-and-wait pass on the device; `ideal`
+/// takes the items that own a pixel from the caller.
 class OracleCuller : public Culler {
 public:
     using Culler::Culler;
-    /// Finds the answer for `view` (untimed). `owners` are the items that own at least one pixel of
+    /// Finds the answer for `view`, untimed. `owners` are the items that own at least one pixel of
     /// an id buffer of this view; only `ideal` reads them.
     virtual void record(const View& view, QueryDevice& device, std::span<const ItemId> owners) = 0;
 };
@@ -47,12 +47,12 @@ public:
     {
     }
 
-    /// Culls and draws one whole frame by stop-and-wait, and remembers its decisions.
+    /// Culls and draws one whole frame by stop-and-wait, and keeps its decisions.
     void record(const View& view, QueryDevice& device, std::span<const ItemId> owners) override;
 
 private:
     void cull_frame(CullFrame& frame) override;
-    void reset_state() override {} // what was recorded is good until the next record()
+    void reset_state() override {} // the record is valid until the next record()
 
     StopAndWait pass_;
     FrustumWalk walk_;
@@ -72,20 +72,20 @@ public:
 
     using OracleCuller::OracleCuller;
 
-    /// Remembers `owners`, near to far.
+    /// Keeps `owners`, near to far.
     void record(const View& view, QueryDevice& device, std::span<const ItemId> owners) override;
 
 private:
     void cull_frame(CullFrame& frame) override;
-    void reset_state() override {} // what was recorded is good until the next record()
+    void reset_state() override {} // the record is valid until the next record()
 
     void index_items();
 
     std::vector<ItemId> visible_;
     uint64_t visible_triangles_ = 0;
     FrustumWalk walk_;
-    uint64_t recorded_structure_ = 0; ///< of the tree that `visible_` are items of; 0: none
-    std::vector<ItemPosition> position_of_item_; ///< by ItemId; invalid for an id of no item
+    uint64_t recorded_structure_ = 0; ///< of the tree whose items are in `visible_`; 0: none
+    std::vector<ItemPosition> position_of_item_; ///< by ItemId; invalid where no item has that id
     uint64_t indexed_structure_ = 0;
 };
 

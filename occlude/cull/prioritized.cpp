@@ -53,8 +53,8 @@ void Prioritized::draw_cell(CullFrame& frame, uint32_t cell, Decision decision)
     triangles_ += frame.queued_triangles() - queued_before;
 }
 
-// Takes cells from the front, the least solid first and of these the nearest, until the budget is
-// spent. Cells outside of the frustum hand on solidity but are not drawn.
+// Takes cells from the front until the budget is spent, the least solid first, and the nearest of
+// equally solid ones. Cells outside the frustum hand on solidity but are not drawn.
 void Prioritized::draw_by_solidity(CullFrame& frame)
 {
     front_.start(grid_, frame.view());
@@ -90,7 +90,8 @@ void Prioritized::test_batch(CullFrame& frame)
     tested_.clear();
 }
 
-// Tests what the budget left out, near to far, each batch against all that is drawn before it.
+// Tests the cells that the budget left out, near to far, each batch against all that is drawn
+// before it.
 void Prioritized::finish_by_tests(CullFrame& frame)
 {
     remaining_.clear();
@@ -128,7 +129,7 @@ void Prioritized::finish_by_tests(CullFrame& frame)
     test_batch(frame);
 }
 
-// Items of hidden cells that no other cell has drawn.
+// Decides the items of hidden cells that no other cell has drawn.
 void Prioritized::note_hidden(CullFrame& frame)
 {
     for (const uint32_t cell : hidden_) {

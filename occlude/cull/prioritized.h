@@ -1,5 +1,5 @@
-// Prioritized-layered projection: the cells with least matter before them first, until the budget
-// is spent; then, on demand, the conservative finish by occlusion tests.
+// Prioritized-layered projection: draws the cells with the least matter before them first, until a
+// budget is spent. On demand, occlusion tests then make the image exact.
 //
 // Implements  J. T. Klosowski, C. T. Silva, "The Prioritized-Layered Projection Algorithm for
 //             Visible Set Estimation", IEEE TVCG 6(2), 2000, and "Efficient Conservative
@@ -10,16 +10,17 @@
 //             what a cell hands on to its neighbours     -> SolidityFront::spread
 //             the projection, until the budget is spent  -> Prioritized::draw_by_solidity
 //             the finish of cPLP                         -> Prioritized::finish_by_tests
-// Deviations  Cells are those of a regular grid, not of a tetrahedral mesh or octree. The solidity
-//             of a cell is the least sum of densities over all ways of cells from the eye to it,
-//             where density is the cell's triangles over those of the fullest cell; the papers
-//             weigh faces by the view direction. cPLP tests the cells of its front and goes on from
-//             the visible ones; here all remaining occupied cells are tested, by the box around
-//             their contents, in batches: never more tests than occupied cells.
-// Guarantees  approximate, and nothing is promised of missing items; exact with `finish`: then
-//             every item in the frustum is drawn, or all its cells were found hidden in this frame.
-// Cost        the budget, in triangles or in milliseconds of the clock, overrun by at most a cell
-//             or by `chunk_triangles`. One step per cell of the grid, empty ones included. With
+// Deviations  Cells belong to a regular grid, not to a tetrahedral mesh or octree. The solidity of
+//             a cell is the least sum of densities over all paths of cells from the eye to it,
+//             where density is the cell's triangles over the triangles of the fullest cell; the
+//             papers weigh faces by the view direction. cPLP tests the cells of its front and goes
+//             on from the visible ones. Here, all remaining occupied cells are tested in batches,
+//             by the box around their contents: never more tests than occupied cells.
+// Guarantees  approximate: any item may be missing. Exact with `finish`: then every item in the
+//             frustum is drawn, or all its cells were found hidden in this frame.
+// Cost        the budget, in triangles or in milliseconds of the clock, exceeded by at most one
+// cell
+//             or `chunk_triangles`. One step per cell of the grid, empty cells included. With
 //             `finish`, one test per cell that the budget left out, and the items that the tests
 //             reveal.
 #pragma once
@@ -37,17 +38,17 @@
 namespace occlude {
 
 struct PrioritizedOptions {
-    /// Triangles to draw per frame before the finish; 0: no limit.
+    /// Triangles that a frame draws before the finish; 0: no limit.
     uint64_t budget_triangles = 100000;
-    /// Milliseconds to draw per frame before the finish; 0, or without a clock: no limit.
+    /// Milliseconds that a frame draws before the finish; 0, or without a clock: no limit.
     double budget_time = 0.0;
-    /// Test the cells that the budget left out, and draw the visible ones (cPLP): exact.
+    /// Tests the cells that the budget left out and draws the visible ones (cPLP): exact.
     bool finish = false;
-    /// Triangles per cell, on average: the size of cells.
+    /// The mean number of triangles per cell, which sets the size of cells.
     uint64_t cell_triangles = 4096;
-    /// Draw and look at the clock after this many triangles. Only with a time budget.
+    /// With a time budget: reads the clock each time that this many triangles are drawn.
     uint64_t chunk_triangles = 8192;
-    /// Cells tested together by the finish.
+    /// Number of cells in one batch of tests of the finish.
     uint32_t batch_size = 50;
 };
 
@@ -57,14 +58,14 @@ public:
     static constexpr AlgorithmTraits kTraits{
         .name = "prioritized",
         .paper = "Klosowski, Silva 2000; Correa, Klosowski, Silva 2003",
-        .summary = "draws first what is least likely hidden, until a budget is spent",
+        .summary = "draws the cells that are least likely hidden first, until a budget is spent",
         .needs = {.queries = true},
         .node_use = NodeUse::none,
         .exact = PrioritizedOptions{}.finish,
     };
 
-    /// `clock` gives seconds that rise. It measures the time to issue draws, which is the
-    /// time to draw only where the device draws at once or the clock asks it. Never asked without a
+    /// `clock` returns rising seconds. It measures the time to issue draws, which is the time to
+    /// draw only if the device draws at once or the clock waits for it. It is never read without a
     /// time budget.
     explicit Prioritized(HierarchyRef hierarchy, PrioritizedOptions options = {},
                          SecondsClock clock = {})
@@ -111,13 +112,16 @@ private:
 template <class Visit>
 void visit_options(PrioritizedOptions& o, Visit&& visit)
 {
-    visit("budget_triangles", o.budget_triangles, {}, "triangles per frame; 0 is no limit");
-    visit("budget_time", o.budget_time, {}, "milliseconds to draw per frame; 0 is no limit");
-    visit("finish", o.finish, "draw what tests find visible beyond the budget: exact");
+    visit("budget_triangles", o.budget_triangles, {},
+          "triangles that a frame draws before the finish; 0: no limit");
+    visit("budget_time", o.budget_time, {},
+          "milliseconds that a frame draws before the finish; 0: no limit");
+    visit("finish", o.finish, "test what the budget left out and draw what is visible: exact");
     visit("cell_triangles", o.cell_triangles, {1},
-          "triangles per cell on average: the size of cells");
-    visit("chunk_triangles", o.chunk_triangles, {1}, "triangles between two looks at the clock");
-    visit("batch_size", o.batch_size, {1, 65536}, "cells tested together by the finish");
+          "mean triangles per cell, which set the size of cells");
+    visit("chunk_triangles", o.chunk_triangles, {1},
+          "with budget_time: triangles drawn between two readings of the clock");
+    visit("batch_size", o.batch_size, {1, 65536}, "cells in one batch of tests of the finish");
 }
 
 } // namespace occlude

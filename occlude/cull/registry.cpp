@@ -44,7 +44,7 @@ Result<std::unique_ptr<Culler>> make(const Hierarchy& hierarchy,
     return culler;
 }
 
-// The kinds of trees that suit an algorithm which uses nodes in this way.
+// The kinds of trees that suit an algorithm with this use of nodes.
 std::vector<std::string> suitable_hierarchies(NodeUse use)
 {
     std::vector<std::string> names;

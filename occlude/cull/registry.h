@@ -1,5 +1,5 @@
-// Every algorithm by name, with its options by name: what `occlude list`, `--algorithms` and
-// `--set` are made of.
+// Every algorithm by name, with its options by name: the source of `occlude list`, `--algorithms`
+// and `--set`.
 #pragma once
 
 #include <occlude/core/clock.h>
@@ -24,9 +24,9 @@ struct AlgorithmInfo {
     bool exact = true;
     bool remembers = true;
     Needs needs;
-    /// The kinds of hierarchies that suit it (hierarchy_kinds.h), in their order; on the others it
-    /// is right, but not what it could be. Empty: it makes no use of nodes, and all kinds are
-    /// alike.
+    /// The kinds of hierarchies that suit it, in the order of hierarchy_kinds.h. On other kinds it
+    /// is correct, but tests or draws more than it could. Empty: it does not use nodes, and the
+    /// kind makes no difference.
     std::vector<std::string> hierarchies;
     std::vector<OptionInfo> options;
     Result<std::unique_ptr<Culler>> (*make)(const Hierarchy&, std::span<const OptionValue>,
@@ -39,10 +39,10 @@ std::span<const AlgorithmInfo> algorithms();
 /// The algorithm of that name, or null.
 const AlgorithmInfo* find_algorithm(std::string_view name);
 
-/// A culler by name. `clock` is for options that count in time (`prioritized.budget_time`,
-/// `statistical.time`) and for `adaptive`, which measures by it; other algorithms and options never
-/// ask it, so that runs repeat. Without a clock these options have no effect. Errors name the
-/// unknown algorithm or option and list what there is.
+/// A culler by name. `clock` is read only by options that count in time (`prioritized.budget_time`,
+/// `statistical.time`) and by `adaptive`, which measures with it. So runs of all others repeat.
+/// Without a clock these options have no effect. An error names the unknown algorithm or option and
+/// lists the known ones.
 Result<std::unique_ptr<Culler>> make_culler(std::string_view name, HierarchyRef hierarchy,
                                             std::span<const OptionValue> options = {},
                                             SecondsClock clock = {});

@@ -60,7 +60,8 @@ private:
 template <class Visit>
 void visit_options(StopAndWaitOptions& o, Visit&& visit)
 {
-    visit("threshold", o.threshold, {}, "samples up to which a node is hidden; above 0 not exact");
+    visit("threshold", o.threshold, {},
+          "a node with at most this many visible samples is hidden; above 0 not exact");
 }
 
 } // namespace occlude

@@ -28,7 +28,7 @@ void TwoLevel::reset_state()
     start_frame();
 }
 
-// Relinked objects change node ids, but not keys.
+// Relinking an object changes node ids, but not keys.
 void TwoLevel::structure_changed()
 {
     const uint64_t lineage = hierarchy().object_nodes().lineage;
@@ -39,7 +39,7 @@ void TwoLevel::structure_changed()
 
 // --- Algorithm 2: rendering of a frame -----------------------------------------------------------
 
-// The paper finishes answered queries first in each round. There are none in the first one.
+// The paper finishes answered queries first in each round. In the first round there are none.
 void TwoLevel::cull_frame(CullFrame& frame)
 {
     const ObjectNodes& info = hierarchy().object_nodes();
@@ -64,8 +64,8 @@ void TwoLevel::start_frame()
     batcher_.clear();
 }
 
-// First loop: the queries that are answered. Everything that could be done without them is done, so
-// if none is, the first is waited for; mostly that brings the answers of its whole batch.
+// First loop: the answered queries. Everything that can be done without an answer is done, so it
+// waits for the first query if none is answered; mostly that brings the answers of its whole batch.
 void TwoLevel::finish_queries(CullFrame& frame)
 {
     if (pending_.empty() || finish_answered_queries(frame)) {
@@ -160,8 +160,8 @@ void TwoLevel::process_active_nodes(CullFrame& frame)
     }
 }
 
-// "Issue query", for the nodes that need one. Nodes that stayed hidden come last, when everything
-// else is known. False if no query is pending then: the list of active nodes is empty.
+// "Issue query", for the nodes that need one. Nodes that stayed hidden are tested last, after all
+// others are decided. Returns false if no query is pending then: the list of active nodes is empty.
 bool TwoLevel::issue_queries(CullFrame& frame)
 {
     issue_disjoint(frame);
@@ -187,7 +187,7 @@ auto TwoLevel::add_boxes() const
     };
 }
 
-// Tests the nodes whose boxes are apart on the screen, the nearer first.
+// Tests nodes whose boxes do not overlap on the screen, the nearer first.
 void TwoLevel::issue_disjoint(CullFrame& frame)
 {
     std::sort(waiting_.begin(), waiting_.end(),
@@ -205,7 +205,7 @@ void TwoLevel::issue_disjoint(CullFrame& frame)
     submit(frame);
 }
 
-// The parts of groups in which something is visible.
+// Tests the parts of groups in which something is visible.
 void TwoLevel::issue_parts(CullFrame& frame)
 {
     while (!parts_.empty() && pending_.size() < pending_limit(frame)) {
@@ -216,7 +216,7 @@ void TwoLevel::issue_parts(CullFrame& frame)
     submit(frame);
 }
 
-// Groups of nodes that are likely to stay hidden together.
+// Tests groups of nodes that are likely to stay hidden together.
 void TwoLevel::issue_groups(CullFrame& frame)
 {
     using Candidate = MultiqueryBatcher::Candidate;
@@ -296,8 +296,8 @@ bool TwoLevel::frustum_culled(CullFrame& frame, Active& active) const
     return !frame.visit(active.node, active.mask);
 }
 
-// The memory of a node in the frustum. Nodes outside keep last_visited: when they come back,
-// they are unknown (rule R8).
+// Marks a node in the frustum as visited, and returns its memory. Nodes outside keep their
+// last_visited, so that they are unknown when they come back (rule R8).
 TwoLevel::NodeState& TwoLevel::recall(const CullFrame& frame, NodeId node)
 {
     NodeState& state = state_of(node);
@@ -311,7 +311,7 @@ TwoLevel::NodeState& TwoLevel::recall(const CullFrame& frame, NodeId node)
     return state;
 }
 
-// Rule R1. Also notes the box that a test gets.
+// Rule R1. Also stores the box that a test of the node uses.
 bool TwoLevel::viewer_inside(CullFrame& frame, Active& active)
 {
     active.test = spaces_.test_box(frame.view(), hierarchy(), active.node);
@@ -320,14 +320,14 @@ bool TwoLevel::viewer_inside(CullFrame& frame, Active& active)
                                                     : active.test.box);
 }
 
-// True if the node is taken for visible without a test: Figure 3, or a visible child.
+// True if the node counts as visible without a test: by Figure 3, or because a child is visible.
 bool TwoLevel::examine_recent_query_results(const CullFrame& frame, const NodeState& state) const
 {
     const bool child_seen = options_.pull_up && state.child_seen + 1 == frame.stamp();
     return child_seen || frame.stamp() < state.next_test;
 }
 
-// Figure 3: how many frames a node that was just found visible is drawn without a test.
+// Figure 3: for how many frames a node that was just found visible is drawn without a test.
 uint32_t TwoLevel::postponement(const NodeState& state, uint32_t key, uint32_t stamp) const
 {
     const uint32_t remembered = state.history << (32u - options_.history_length);

@@ -1,6 +1,6 @@
-// Two-level dynamic scenes: a list of active nodes of the scene tree and of the objects' own trees,
-// tested in parallel where their boxes do not overlap on the screen. The more often a node was
-// visible, the more rarely it is tested.
+// Two-level dynamic scenes. One list of active nodes covers the scene tree and the objects' own
+// trees. Nodes whose boxes do not overlap on the screen are tested in parallel, and a node is
+// tested the more rarely, the more often it was visible.
 //
 // Implements  V. Kovalcik, P. Tobola, "Fast Rendering of Complex Dynamic Scenes",
 //             sections 3.3 and 3.4. The trees are hierarchy/builders/two_level.h.
@@ -45,27 +45,27 @@
 namespace occlude {
 
 struct TwoLevelCullOptions {
-    /// Boxes that overlap on the screen are not tested at the same time, the nearer first: the
-    /// farther is then tested against what the nearer let be drawn. false: all at once.
+    /// Boxes that overlap on the screen are tested one after the other, the nearer first, so that
+    /// the farther is tested against what the nearer revealed. false: all at once.
     bool disjoint = true;
-    /// How many tests may be pending at a time.
+    /// The largest number of pending tests.
     uint32_t max_pending = 256;
-    /// How many of its last results a node remembers.
+    /// How many of its last results a node keeps.
     uint32_t history_length = 8;
-    /// The test of a visible node is postponed by this many frames for each "visible" among its
-    /// remembered results ...
+    /// The test of a visible node is postponed by this many frames for each visible result among
+    /// those that it keeps ...
     uint32_t frames_per_visible = 12;
-    /// ... up to this many. 0: every node is tested in every frame.
+    /// ... but by at most this many. 0: every node is tested in every frame.
     uint32_t max_postponed = 48;
-    /// An inner node is not tested while one of its children is visible: then it is, too. false:
-    /// inner nodes are tested as leaves are, as in the paper.
+    /// An inner node is not tested while one of its children is visible, because it is visible
+    /// then, too. false: inner nodes are tested as leaves are, as in the paper.
     bool pull_up = true;
-    /// Nodes that stayed hidden are tested last, when everything else is drawn, and several in one
-    /// test where that is likely to pay (the multiqueries of CHC++); a group in which something is
+    /// Nodes that stayed hidden are tested last, when everything else is drawn, and several share
+    /// one test if that is likely to pay (the multiqueries of CHC++). A group in which something is
     /// visible is halved until it is small. false: as in the paper.
     bool multiqueries = true;
-    /// Shortens each postponement by a random share of up to a half, so that nodes that turned
-    /// visible together are not tested together in all frames to come. false: as in the paper.
+    /// Shortens each postponement by a random share of up to one half, so that nodes that turn
+    /// visible together are not tested together in all later frames. false: as in the paper.
     bool spread = true;
     /// A node with at most this many visible samples is hidden. Above 0 the image is approximate.
     uint64_t threshold = 0;
@@ -78,8 +78,7 @@ public:
     static constexpr AlgorithmTraits kTraits{
         .name = "two_level",
         .paper = "Kovalcik, Tobola (two-level BSP)",
-        .summary =
-            "for moving objects: tests boxes apart on the screen together, and visible ones rarely",
+        .summary = "for moving objects: tests boxes that do not overlap on the screen together",
         .needs = {.queries = true},
     };
 
@@ -89,11 +88,12 @@ private:
     friend class CullerProbe; // of the tests
     /// The memory of a node, by its key.
     struct NodeState {
-        uint32_t last_visited = 0;  ///< stamp of the last frame in which it was reached inside
+        uint32_t last_visited = 0;  ///< stamp of the last frame that reached it inside the frustum
         uint32_t next_test = 0;     ///< stamp from which a visible node is tested again
         uint32_t child_seen = 0;    ///< stamp of the last frame in which a child was visible
-        uint32_t frames_hidden = 0; ///< how many tests in a row found it hidden
-        uint32_t history = 0;       ///< the last results, newest in bit 0; 1 is visible
+        uint32_t frames_hidden = 0; ///< the number of consecutive tests that found it hidden
+        uint32_t history = 0;       ///< the last results, one bit each; bit 0 is the latest, 1 is
+                                    ///< visible
         bool visible = false;
     };
     /// A node in the list of active nodes.
@@ -102,10 +102,10 @@ private:
         NodeId parent; ///< invalid for the root
         PlaneMask mask = 0;
         float distance = 0.0f; ///< View::distance_key of its box
-        SpacedBox test;        ///< the box that a test gets
-        ScreenBounds screen;   ///< once it needs a test, if `disjoint`
+        SpacedBox test;        ///< the box that a test uses
+        ScreenBounds screen;   ///< its rectangle on the screen, once it needs a test, if `disjoint`
     };
-    /// A test of one active node or several. The batcher's members are indices into active_.
+    /// A test of one or several active nodes. The batcher's members are indices into active_.
     using Query = MultiqueryBatcher::Test;
     enum class VisibilityResult : uint8_t { invisible, visible, need_query };
 
@@ -149,17 +149,18 @@ private:
 
     TwoLevelCullOptions options_;
     std::vector<NodeState> states_; ///< by key
-    uint64_t lineage_ = 0;          ///< whose keys they are
+    uint64_t lineage_ = 0;          ///< the scene that the keys belong to
     KeepTable keep_table_;
     ObjectSpaces spaces_;
 
     std::vector<Active> active_; ///< all nodes that were active in this frame
-    // The paper's list of active nodes, by what each node waits for:
-    std::vector<uint32_t> fresh_;   ///< to be reached: a heap, the nearest first
+    // The paper's list of active nodes, divided by what each node waits for:
+    std::vector<uint32_t> fresh_;   ///< to be visited: a heap, the nearest first
     std::vector<uint32_t> waiting_; ///< for a test of its own, near to far
-    std::vector<MultiqueryBatcher::Candidate> deferred_; ///< for the end: it stayed hidden
-    std::vector<Query> parts_;   ///< for a test: parts of groups that failed
-    std::vector<Query> pending_; ///< for an answer: tests as issued
+    std::vector<MultiqueryBatcher::Candidate> deferred_; ///< for the end of the frame, because it
+                                                         ///< stayed hidden
+    std::vector<Query> parts_;   ///< for a test: the parts of groups that failed
+    std::vector<Query> pending_; ///< for an answer: tests in the order in which they were issued
     MultiqueryBatcher batcher_{kLeastHalved - 1};
 };
 
@@ -169,17 +170,19 @@ void visit_options(TwoLevelCullOptions& o, Visit&& visit)
 {
     visit("disjoint", o.disjoint,
           "boxes that overlap on the screen are tested one after the other");
-    visit("max_pending", o.max_pending, {1, 1'000'000}, "tests that may be pending at a time");
-    visit("history_length", o.history_length, {1, 32}, "results that a node remembers");
+    visit("max_pending", o.max_pending, {1, 1'000'000}, "largest number of pending tests");
+    visit("history_length", o.history_length, {1, 32},
+          "number of latest results that a node keeps");
     visit("frames_per_visible", o.frames_per_visible, {0, 1'000'000},
-          "frames that a test is postponed for each remembered \"visible\"");
+          "frames by which a test is postponed for each kept \"visible\"");
     visit("max_postponed", o.max_postponed, {0, 1'000'000},
-          "frames that a test is postponed at most; 0: never");
-    visit("pull_up", o.pull_up, "an inner node is not tested while a child of it is visible");
-    visit("multiqueries", o.multiqueries, "test long-hidden nodes last, several at a time");
+          "largest postponement of a test, in frames; 0: none");
+    visit("pull_up", o.pull_up, "an inner node is not tested while one of its children is visible");
+    visit("multiqueries", o.multiqueries, "test nodes that stay hidden last, several in one test");
     visit("spread", o.spread, "shorten postponements at random, so that tests spread over frames");
-    visit("threshold", o.threshold, {}, "samples up to which a node is hidden; above 0 not exact");
-    visit("seed", o.seed, {}, "of the random numbers that spread tests");
+    visit("threshold", o.threshold, {},
+          "a node with at most this many visible samples is hidden; above 0 not exact");
+    visit("seed", o.seed, {}, "seed of the random shares of spread");
 }
 
 } // namespace occlude

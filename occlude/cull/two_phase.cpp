@@ -4,12 +4,12 @@ namespace occlude {
 
 namespace {
 
-// Of the random choice of siblings that become one entry of the cut again.
+// Seed of the random choice of nodes that the cut merges.
 constexpr uint64_t kSeed = 1;
 
 } // namespace
 
-// Work is counted in triangles here: one costs as much as half a texel that a test looks at.
+// Work is counted in triangles here: a test may look at half a texel per triangle that it may save.
 TwoPhase::TwoPhase(HierarchyRef hierarchy, TwoPhaseOptions options)
     : Culler(hierarchy)
     , options_(clamped(options))
@@ -35,7 +35,7 @@ void TwoPhase::cull_frame(CullFrame& frame)
     cut_.start_frame();
     depth_.start_frame(frame);
 
-    // Phase 1: draw what was visible in the last frame, and make the pyramid of its depth.
+    // Phase 1: draw what was visible in the last frame, and build the pyramid of its depth.
     cut_.sort_out(frame);
     cut_.draw_visible(frame);
     if (frame.caps().read_depth) {
@@ -44,8 +44,8 @@ void TwoPhase::cull_frame(CullFrame& frame)
     depth_.project_all(frame); // while the device draws
     depth_.read(frame);
 
-    // Phase 2: test the rest against it, and draw what is not hidden.
-    // With 0 depth is never read again: the difference wraps to more than can ever wait.
+    // Phase 2: test the rest against it, and draw what is not hidden. With `reread_triangles` 0,
+    // the difference wraps around to a number that no frame reaches, so that depth is read once.
     const uint64_t max_waiting_triangles = options_.reread_triangles - 1;
     depth_.test_candidates(frame);
     while (depth_.reveal(frame, static_cast<double>(max_waiting_triangles))) {

@@ -14,13 +14,14 @@
 //             subtree. Phase 2 reads depth again after `reread_triangles` newly
 //             visible triangles, so that a camera cut, where phase 1 draws nothing, does not draw
 //             everything in the frustum.
-// Guarantees  exact: every item in the frustum is drawn, or lies in a node, or is one itself, that
-//             was, in this frame, wholly behind what was drawn. What is drawn in phase 1 and hidden
-//             now costs time, never pixels, and the next frame drops it.
+// Guarantees  exact: every item in the frustum is drawn, or it, or a node that holds it, was found
+// in
+//             this frame to lie wholly behind what was drawn. An item that phase 1 draws although
+//             it is now hidden costs time, never pixels, and the next frame drops it.
 // Cost        O(entries of the cut): one depth read-back per frame and one more per
 //             `reread_triangles` revealed; well below a microsecond per test; no queries. Without
-//             caps.read_depth nothing can be hidden: everything in the frustum is drawn, in one
-//             batch, still exact.
+//             caps.read_depth nothing can be hidden: everything in the frustum is drawn in one
+//             batch, and the frame is still exact.
 #pragma once
 
 #include <occlude/core/option_range.h>
@@ -33,22 +34,24 @@
 namespace occlude {
 
 struct TwoPhaseOptions {
-    /// Stop at virtual leaves. Otherwise single items are tested: a test here costs less than
+    /// Stop at virtual leaves. false: single items are tested, because a test costs less than
     /// drawing three triangles.
     bool virtual_leaves = false;
-    /// Go down to single pixels where the coarse levels do not decide, and test the faces of boxes
-    /// where rectangles do not hide them. Otherwise at most 4x4 texels are looked at, as on a GPU.
+    /// Test down to single pixels where the coarse levels do not decide, and test the faces of
+    /// boxes where their rectangles do not hide them. false: at most 4x4 texels are looked at, as
+    /// on a GPU.
     bool refine = true;
     /// Read depth again when this many newly visible triangles wait to be drawn in phase 2, before
-    /// more is tested. 0: never.
+    /// the next test. 0: never.
     uint64_t reread_triangles = 16384;
-    /// Choose the visible set of the next frame by the depth of the finished frame, read back once
-    /// more, instead of by the depth that was read last.
+    /// Choose the visible set of the next frame by the depth of the finished frame, which costs one
+    /// more read-back, instead of by the depth that was read last.
     bool final_depth = false;
-    /// Read the farthest depth of tiles of this many pixels along a side, reduced on the device,
-    /// where it has such tiles: less to read back, and somewhat less is found hidden. 1: pixels.
+    /// Read the farthest depth of tiles of this many pixels along a side, which the device reduces,
+    /// if it offers such tiles. Less is read back, and somewhat less is found hidden. 1: single
+    /// pixels.
     uint32_t tile = 1;
-    /// Test the shapes of items (item_shapes.h) where their boxes are not hidden.
+    /// Test the shapes of items (item_shapes.h) if their boxes are not hidden.
     bool shapes = true;
 };
 
@@ -59,7 +62,7 @@ public:
         .name = "two_phase",
         .paper = "Greene, Kass, Miller 1993; Haar, Aaltonen 2015",
         .summary =
-            "draws what was visible last frame, then tests the rest against its depth on the CPU",
+            "draws what was visible last frame, then tests the rest on the CPU against that depth",
         .needs = {.depth_read = true},
     };
 
@@ -79,15 +82,16 @@ template <class Visit>
 void visit_options(TwoPhaseOptions& o, Visit&& visit)
 {
     visit("virtual_leaves", o.virtual_leaves, "stop at virtual leaves instead of testing items");
-    visit("refine", o.refine, "go down to pixels where the coarse levels do not decide");
+    visit("refine", o.refine,
+          "test faces of boxes, down to pixels, where the coarse levels do not decide");
     visit("reread_triangles", o.reread_triangles, {},
-          "newly visible triangles after which depth is read again; 0 is never");
+          "newly visible triangles after which depth is read again; 0: never");
     visit("final_depth", o.final_depth,
-          "choose what is drawn first in the next frame by this frame's final depth");
+          "choose what the next frame draws first by the depth of the finished frame");
     visit("tile", o.tile, {1, 1024},
-          "read depth by the farthest of tiles of this many pixels along a side");
+          "read the farthest depth of tiles of this many pixels along a side; 1: pixels");
     visit("shapes", o.shapes,
-          "test the boxes of an item's shape where the item's own box is not hidden");
+          "test the boxes of an item's shape if the item's own box is not hidden");
 }
 
 } // namespace occlude

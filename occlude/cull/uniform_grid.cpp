@@ -6,7 +6,7 @@
 
 namespace occlude {
 
-// The axis closest to the view direction.
+// The axis that is closest to the view direction.
 static int slab_axis(const View& view)
 {
     const glm::vec3 forward = glm::abs(glm::vec3{view.frustum().plane(Frustum::near)});
@@ -16,8 +16,8 @@ static int slab_axis(const View& view)
     return forward.y >= forward.x ? 1 : 0;
 }
 
-// The slab that the front-to-back order starts from: the eye's, or without an eye the first one
-// along the view direction.
+// The slab at which the front-to-back order starts: the slab of the eye, or, without an eye, the
+// first one along the view direction.
 static uint32_t first_slab(const View& view, const Lattice& lattice, int axis)
 {
     if (!view.orthographic()) {
@@ -27,7 +27,8 @@ static uint32_t first_slab(const View& view, const Lattice& lattice, int axis)
     return forward ? 0 : lattice.count[axis] - 1;
 }
 
-// The cells of a grid in the frustum, slab by slab from the eye outward; near to far in a slab.
+// The cells of a grid in the frustum, slab by slab outward from the eye, and near to far in each
+// slab.
 void UniformGrid::collect_cells(CullFrame& frame, const CellGrid::Grid& grid, PlaneMask mask,
                                 std::vector<Entry>& entries)
 {
@@ -43,7 +44,7 @@ void UniformGrid::collect_cells(CullFrame& frame, const CellGrid::Grid& grid, Pl
             continue;
         }
         const int64_t steps = static_cast<int64_t>(cell.at[axis]) - first;
-        // Outward: the eye's own, then one step to each side, then two.
+        // Outward: the eye's own slab, then one step to each side, then two.
         const auto slab = static_cast<uint32_t>(steps > 0 ? 2 * steps - 1 : -2 * steps);
         entries.push_back({slab, view.distance_key(cell.box), c, cell_mask});
     }
@@ -64,7 +65,7 @@ void UniformGrid::draw_cell(CullFrame& frame, const Entry& entry, Decision decis
     for (const ItemPosition item : grid_.items(grid_.cells()[entry.cell])) {
         if (seen_stamp_[item.value] != frame.stamp()) {
             seen_stamp_[item.value] = frame.stamp();
-            // All planes: of a large item, only a part is in the cell.
+            // All planes are needed, because only a part of a large item lies in the cell.
             frame.draw_item(grid_.owner(item), item, Frustum::kAllPlanes, decision);
         }
     }
@@ -138,7 +139,7 @@ void UniformGrid::cull_grid(CullFrame& frame, const CellGrid::Grid& grid, PlaneM
     }
 }
 
-// Items of hidden cells that no other cell has drawn.
+// Decides the items of hidden cells that no other cell has drawn.
 void UniformGrid::note_hidden(CullFrame& frame)
 {
     for (const uint32_t cell : hidden_) {

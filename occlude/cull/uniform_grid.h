@@ -13,8 +13,9 @@
 //             kept between frames, as in the paper.
 // Guarantees  exact: an item in the frustum is drawn if the test of any cell that it overlaps finds
 //             a sample, or cannot be trusted near the viewer (rule R1).
-// Cost        one test per occupied cell in the frustum, one batch and one wait for all its answers
-//             per slab. Items that move make all cells be built again.
+// Cost        one test per occupied cell in the frustum, and per slab one batch and one wait for
+// its
+//             answers. All cells are built again after an item moves.
 #pragma once
 
 #include <occlude/core/option_range.h>
@@ -28,9 +29,9 @@
 namespace occlude {
 
 struct UniformGridOptions {
-    /// Triangles per cell on average: sets the size of cells.
+    /// The mean number of triangles per cell, which sets the size of cells.
     uint64_t cell_triangles = 4096;
-    /// Crowded cells are grids again, up to this many levels deep. 0: the uniform grid.
+    /// Crowded cells hold a grid of their own, up to this many levels deep. 0: the uniform grid.
     uint32_t nested_levels = 1;
 };
 
@@ -92,9 +93,9 @@ template <class Visit>
 void visit_options(UniformGridOptions& o, Visit&& visit)
 {
     visit("cell_triangles", o.cell_triangles, {1},
-          "triangles per cell on average: the size of cells");
+          "mean triangles per cell, which set the size of cells");
     visit("nested_levels", o.nested_levels, {0, 8},
-          "how deep crowded cells are grids again; 0 is uniform");
+          "levels of grids nested in crowded cells; 0: a uniform grid");
 }
 
 } // namespace occlude

@@ -6,20 +6,21 @@
 namespace occlude {
 
 struct AdaptiveOptions {
-    /// How tests are made. `automatic` chooses the cheapest way; the others are for comparisons.
+    /// How tests are made. `automatic` chooses the method with the lowest measured cost; the others
+    /// are for comparisons.
     enum class Method : uint8_t { automatic, draw_all, queries, raster, pyramid };
     Method method = Method::automatic;
-    /// The share of the time that probes may take while everything is drawn.
+    /// The share of the time that probes may take while everything is drawn, 0 to 1.
     float probe_share = 0.005f;
-    /// Tests must hide at least this many times their own cost, or the view is drawn whole.
+    /// If tests hide less than this many times their own cost, the culler draws the whole view
+    /// instead.
     float keep_margin = 1.2f;
-    /// A probe must promise at least this many times its cost, or the view stays drawn whole.
+    /// Testing starts again only if a probe promises at least this many times its cost.
     float start_margin = 1.5f;
-    /// Measure costs by the clock. Otherwise they stay what the device's hints say, and runs
-    /// repeat.
+    /// Measure costs by the clock. If false, costs stay at the device's hints, and runs repeat.
     bool measure = true;
-    uint64_t seed = 1; ///< of the choice of nodes that may become one entry of the cut again
-    /// Test the shapes of items (item_shapes.h) where their boxes are not hidden and that may pay.
+    uint64_t seed = 1; ///< of the random choice of nodes that the cut merges
+    /// Test the shape of an item (item_shapes.h) if its box is not hidden and the test may pay.
     bool shapes = true;
 };
 

@@ -13,8 +13,9 @@ void TestingByDepth::start_frame()
 
 // --- reading -------------------------------------------------------------------------------------
 
-// The time at which all was drawn, by reading one pixel, which waits for that. A second read takes
-// the time of reading alone, which is subtracted. Precondition: the target has a pixel.
+// Reads one pixel, which waits until everything is drawn, and returns the time at which that
+// happened. A second read takes only the time of reading, which is subtracted. Precondition: the
+// target has a pixel.
 double TestingByDepth::idle_since_us(CullFrame& frame) const
 {
     float pixel = 0.0f;
@@ -24,8 +25,8 @@ double TestingByDepth::idle_since_us(CullFrame& frame) const
     return first - (shared_.meter.now_us() - first);
 }
 
-// Reads depth, and notes the time of drawing: what the read took beyond its known cost. While that
-// cost is not known, the device becomes idle first, so that the read can be timed alone.
+// Reads depth and records how long drawing took: the time of the read beyond its known cost. While
+// that cost is unknown, it waits for the device first, so that the read can be timed alone.
 bool TestingByDepth::time_drawing_and_read(CullFrame& frame)
 {
     if (trials_.read_is_due(frame)) {
@@ -64,7 +65,7 @@ bool TestingByDepth::read(CullFrame& frame)
 
 // --- a frame -------------------------------------------------------------------------------------
 
-// Reads depth again whenever the drawing that waits costs several read-backs.
+// Reads depth again whenever the queued drawing costs several read-backs.
 void TestingByDepth::reveal(CullFrame& frame)
 {
     const PlannerConstants& k = kPlannerConstants;
@@ -87,7 +88,7 @@ void TestingByDepth::test(CullFrame& frame)
 {
     DepthTraversal& depth = shared_.depth;
     const CostMeter& meter = shared_.meter;
-    // Tests of shapes have a cost of their own.
+    // Tests of shapes are timed by `depth` itself.
     const auto box_clock = [&] { return meter.now_us() - depth.shapes_us(); };
     double testing_us = -box_clock();
     depth.project_all(frame);
@@ -103,7 +104,7 @@ void TestingByDepth::test(CullFrame& frame)
     reveal(frame);
     frame.flush_draws();
     if (shared_.planner.is_first_look()) {
-        read(frame); // much was drawn before it could be known to be hidden
+        read(frame); // the first draws had no depth to be tested against
     }
     testing_us -= box_clock();
     depth.retest(frame);
@@ -115,7 +116,7 @@ void TestingByDepth::test(CullFrame& frame)
 
 void TestingByDepth::account(double testing_us)
 {
-    // Fewer tests than this say nothing about what one costs.
+    // Rounds with fewer tests do not show what one test costs.
     constexpr size_t kMinTests = 64;
 
     const size_t tests = shared_.cut.candidates().size() + shared_.depth.drawn_before_read();

@@ -1,5 +1,5 @@
-// The frames of `adaptive` that test by depth that was read back: when depth is read, and what the
-// time that this takes teaches about the cost of drawing. The tests are depth_traversal.h's.
+// The frames of `adaptive` that test against depth that was read back. This file decides when to
+// read, and learns the cost of drawing from the time of each read. depth_traversal.h has the tests.
 #pragma once
 
 #include <occlude/cull/adaptive/method_trials.h>
@@ -19,11 +19,12 @@ public:
 
     void start_frame();
 
-    /// Tests the candidates, draws what shows, tests what was drawn for the next frame.
-    /// Precondition: what was visible is drawn.
+    /// Tests the candidates, draws the visible ones, and tests what was drawn for the next frame.
+    /// Precondition: the entries that were visible in the last frame are drawn.
     void test(CullFrame& frame);
 
-    /// Tests the finished frame, from the root down to nodes of `min_units`: what would tests hide?
+    /// Tests the finished frame from the root down to nodes of `min_units`, to estimate how much
+    /// tests would hide.
     void probe(CullFrame& frame, double min_units);
 
 private:
@@ -37,8 +38,8 @@ private:
     MethodTrials& trials_;
 
     double drawing_since_us_ = 0.0;
-    double units_at_read_ = 0.0;         ///< drawn, when depth was last read
-    double hidden_at_read_ = 0.0;        ///< found hidden by then
+    double units_at_read_ = 0.0;         ///< units drawn before depth was last read
+    double hidden_at_read_ = 0.0;        ///< units found hidden before depth was last read
     std::vector<CutCandidate> to_probe_; ///< scratch
 };
 

@@ -27,7 +27,7 @@ void TestingByDevice::take_late_answers(CullFrame& frame)
     std::sort(late_.turned_hidden.begin(), late_.turned_hidden.end());
 }
 
-// The longer ago its last test, the sooner one pays again.
+// The older the last test, the sooner a new one pays.
 bool TestingByDevice::retest_pays(const CullFrame& frame, const CutCandidate& candidate)
 {
     const ScreenBounds bounds = project(frame.view(), shared_.cut.box_of(candidate.entry));
@@ -41,7 +41,7 @@ bool TestingByDevice::retest_pays(const CullFrame& frame, const CutCandidate& ca
                                        covered, frame.stamp() - candidate.entry.tested);
 }
 
-// What was not worth opening when it was drawn first may be now.
+// A node that was not worth opening when it was drawn may be worth it now.
 void TestingByDevice::keep_parts_visible(const CullFrame& frame, const CutCandidate& candidate)
 {
     next_round_.clear();
@@ -54,7 +54,8 @@ void TestingByDevice::keep_parts_visible(const CullFrame& frame, const CutCandid
 
 void TestingByDevice::retest(CullFrame& frame)
 {
-    // Late tests leave the other half of the device's tickets to the rounds of the next frame.
+    // Late tests take half of the device's tickets. The rounds of the next frame get the other
+    // half.
     const size_t max_late = frame.caps().max_outstanding / 2;
 
     late_.batch.clear();
@@ -102,7 +103,7 @@ bool TestingByDevice::worth_testing(const Entry& entry) const
                : hoped_us(entry) > costs.round(shared_.planner.method()).us_per_test;
 }
 
-// What the near plane may touch is drawn, or its parts take its place.
+// Draws a candidate that the near plane may touch, or opens it and adds its parts instead.
 void TestingByDevice::open_near(CullFrame& frame, const CutCandidate& candidate)
 {
     if (!shared_.cut.opens(candidate.entry)) {
@@ -122,8 +123,8 @@ void TestingByDevice::open_near(CullFrame& frame, const CutCandidate& candidate)
     next_round_.clear();
 }
 
-// Leaves in `round_` what will be tested: of the candidates in the frustum, those that a test may
-// see and that are worth one; and then the members of groups that failed.
+// Collects in `round_` what this round tests: candidates in the frustum that do not touch the near
+// plane and are worth a test, then the members of groups that failed.
 void TestingByDevice::collect_round(CullFrame& frame, bool first_round)
 {
     round_.clear();
@@ -152,7 +153,7 @@ void TestingByDevice::collect_round(CullFrame& frame, bool first_round)
     }
 }
 
-// What one more round may hide, all of it, must be worth the wait.
+// Ends the rounds unless the expected gain of all tests of one more round exceeds its cost.
 void TestingByDevice::end_rounds_unless_worthwhile(CullFrame& frame)
 {
     double hidden_us = 0.0;
@@ -172,8 +173,8 @@ void TestingByDevice::end_rounds_unless_worthwhile(CullFrame& frame)
 
 // --- which candidates share a test ---------------------------------------------------------------
 
-// Those that were hidden for longest come first and may share queries. By flags each box costs the
-// same, whatever it shares.
+// Sorts the longest hidden first, so that they share queries. Flags and depth have no use for
+// groups: there, each box costs the same.
 void TestingByDevice::sort_for_groups()
 {
     if (shared_.planner.method() == TestMethod::queries) {
@@ -184,14 +185,14 @@ void TestingByDevice::sort_for_groups()
     }
 }
 
-// Makes the candidates of `round_` members of tests to come, in the order in which they are asked.
+// Makes the candidates of `round_` members of tests to come, in the order of their tests.
 void TestingByDevice::line_up()
 {
     sort_for_groups();
     in_line_.clear();
     double last = 1.0;
     for (uint32_t i = 0; i < round_.size(); ++i) {
-        // The measured table need not be monotonic; the order of groups shall be that of `round_`.
+        // The measured table need not be monotonic, but groups must follow the order of `round_`.
         last = std::min(last, keep_table_.keep_probability(round_[i].entry.frames_hidden));
         in_line_.push_back({static_cast<uint32_t>(asked_.size()), last, i});
         asked_.push_back(round_[i]);
@@ -206,7 +207,8 @@ auto TestingByDevice::add_boxes(CullFrame& frame) const
     };
 }
 
-// Adds at most `max_tests` tests of in_line_ from `first` on, and returns where they end.
+// Adds at most `max_tests` tests of in_line_, beginning at `first`, and returns the index after the
+// last candidate that has a test.
 size_t TestingByDevice::add_tests(CullFrame& frame, size_t first, size_t max_tests)
 {
     const std::span<MultiqueryBatcher::Candidate> left = std::span{in_line_}.subspan(first);
@@ -220,7 +222,7 @@ size_t TestingByDevice::add_tests(CullFrame& frame, size_t first, size_t max_tes
     return first + count;
 }
 
-// The same of parts_.
+// Adds at most `max_tests` of parts_, beginning at `first`, and returns the index after the last.
 size_t TestingByDevice::add_parts(CullFrame& frame, size_t first, size_t max_tests)
 {
     const size_t end = first + std::min(parts_.size() - first, max_tests);
@@ -230,8 +232,8 @@ size_t TestingByDevice::add_parts(CullFrame& frame, size_t first, size_t max_tes
     return end;
 }
 
-// A failed group is halved as long as that is cheaper than to test its nodes one by one: one more
-// round and two tests, for half of the nodes hidden.
+// The largest failed group whose nodes are tested one by one. A larger group is halved: halving
+// costs one more round and two more tests, and on average spares half of the single tests.
 size_t TestingByDevice::max_tested_singly() const
 {
     constexpr double kMinUsPerTest = 1e-6; // keeps the ratio finite
@@ -266,7 +268,7 @@ void TestingByDevice::take_answer(CullFrame& frame, const CutCandidate& candidat
     }
 }
 
-// A group that shows something is asked again in parts.
+// A failed group, in which something is visible, is tested again in parts.
 void TestingByDevice::take_answers(CullFrame& frame, std::span<const Test> tests)
 {
     for (const Test& test : tests) {
@@ -286,11 +288,10 @@ void TestingByDevice::take_answers(CullFrame& frame, std::span<const Test> tests
 
 // --- rounds --------------------------------------------------------------------------------------
 
-// Asks the tests that were added, and waits for what has to be known before anything else can be
-// decided.
+// Issues the added tests and waits for their answers, which the next round depends on.
 void TestingByDevice::ask(CullFrame& frame, bool first_round)
 {
-    // A round of fewer tests does not tell what one costs.
+    // Rounds with fewer tests do not show what one test costs.
     constexpr size_t kMinTests = 16;
 
     CostMeter& meter = shared_.meter;
@@ -310,8 +311,8 @@ void TestingByDevice::ask(CullFrame& frame, bool first_round)
     meter.spend(shared_.costs().round(method).of(count, static_cast<double>(boxes)), count);
 }
 
-// Asks all of the round, as many tests at once as the device has tickets for. What it has none for
-// is drawn.
+// Tests the whole round, as many tests at a time as the device has free tickets. Draws the rest
+// untested when there are no tickets left.
 void TestingByDevice::test_round(CullFrame& frame, bool first_round)
 {
     next_round_.clear();
@@ -353,7 +354,7 @@ void TestingByDevice::test_in_rounds(CullFrame& frame, double since_us)
             break;
         }
         test_round(frame, first_round);
-        if (first_round) { // the device is idle: what did drawing cost?
+        if (first_round) { // The device is idle here, so that the time of drawing can be read.
             meter.note_drawing(shared_.drawn_units(frame),
                                meter.now_us() - since_us - meter.spent_us());
         }

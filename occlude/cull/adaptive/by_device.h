@@ -1,17 +1,17 @@
-// The frames of `adaptive` that test on the device: rounds of tests, each for what the last one
-// revealed, and tests of what is drawn whose answers are for a frame to come.
+// The frames of `adaptive` that test on the device. Each round tests the nodes that the round
+// before it revealed. What is drawn is tested too, and those answers are read in a later frame.
 //
 //    candidates --> collect_round --> add_tests, add_parts --> ask, wait --> hidden: kept
 //         ^                               ^                         |        visible: drawn, or
 //         +-- the parts of a node --------+-- the parts of a group -+                 opened
 //
-// Which candidates share a test, and what follows if it fails, is MultiqueryBatcher's work.
+// MultiqueryBatcher decides which candidates share a test, and how a failed group is split.
 //
 //    what is drawn --> retest --> the answers come in a later frame --> turned_hidden()
 //
-// Guarantees  No test of a box that the near plane may touch (C5); never more unspent tickets than
-//             the device can hold (C11).
-// Cost        A round costs one wait. Rounds end where the next would hide less than it costs.
+// Guarantees  It never tests a box that the near plane may touch (C5), and never has more unspent
+//             tickets than the device can hold (C11).
+// Cost        A round costs one wait. Rounds end when the next one would hide less than it costs.
 #pragma once
 
 #include <occlude/cull/adaptive/method_trials.h>
@@ -36,29 +36,33 @@ public:
 
     /// Forgets how long nodes stay hidden.
     void forget() { keep_table_.clear(); }
-    /// Moves the tickets of tests whose answers are not wanted any more to `tickets`: they must be
-    /// spent all the same.
+    /// Moves the tickets of late tests to `tickets`. Their answers are not needed any more, but the
+    /// caller must spend the tickets.
     void drop_late_tests(std::vector<Ticket>& tickets);
 
     // --- one frame, in order ---
 
-    /// Reads the answers for this frame that are there by now.
+    /// Reads the late answers that have arrived.
     void take_late_answers(CullFrame& frame);
-    /// Entries that were visible and have turned out hidden, by CutTraversal::name_of(), ascending.
+    /// Names (CutTraversal::name_of()) of entries that were visible and were found hidden,
+    /// ascending.
     std::span<const uint64_t> turned_hidden() const { return late_.turned_hidden; }
 
-    /// Tests the candidates in rounds, draws what shows, and tests what was drawn for frames to
-    /// come. Precondition: what was visible is drawn. `since_us`: when drawing began.
+    /// Tests the candidates in rounds, draws the visible ones, and tests what was drawn for later
+    /// frames. `since_us` is the time at which drawing began. Precondition: the entries that were
+    /// visible in the last frame are drawn.
     void test(CullFrame& frame, double since_us);
 
-    /// Tests the finished frame, from the root down as far as that pays: what would tests hide?
+    /// Tests the finished frame from the root down to the nodes that pay, to estimate how much
+    /// tests would hide.
     void probe(CullFrame& frame, double since_us);
 
 private:
     using Entry = HierarchyCut::Entry;
 
-    using Test = MultiqueryBatcher::Test; // of candidates: its members are indices into asked_
-    /// A test of what is drawn, whose answer is for a frame to come.
+    using Test = MultiqueryBatcher::Test; // a test of candidates; its members are indices into
+                                          // asked_
+    /// A test of a drawn entry, whose answer a later frame reads.
     struct LateTest {
         Ticket ticket;
         uint64_t entry = 0; ///< its CutTraversal::name_of()
@@ -102,20 +106,23 @@ private:
     AdaptiveShared& shared_;
     MethodTrials& trials_;
 
-    // The round under way.
-    std::vector<CutCandidate> round_; ///< all that it tests
+    // The current round.
+    std::vector<CutCandidate> round_; ///< all candidates that it tests
     std::vector<CutCandidate> next_round_;
-    std::vector<MultiqueryBatcher::Candidate> in_line_; ///< of round_, those not in parts_
-    std::vector<Test> parts_;                           ///< of groups that failed before
-    std::vector<Test> next_parts_;                      ///< ... and in this round
+    std::vector<MultiqueryBatcher::Candidate> in_line_; ///< the candidates of round_ that are not
+                                                        ///< in parts_
+    std::vector<Test> parts_;                           ///< parts of groups that failed in the
+                                                        ///< round before
+    std::vector<Test> next_parts_;                      ///< parts of groups that failed in this
+                                                        ///< round
 
-    // Of the frame.
+    // Per frame.
     MultiqueryBatcher batcher_;
     std::vector<CutCandidate> asked_;
-    double kept_tests_ = 0.0; ///< tests of what was hidden before
-    double kept_ = 0.0;       ///< what was hidden before and was asked again
+    double kept_tests_ = 0.0; ///< tests of entries that were hidden in the last frame
+    double kept_ = 0.0;       ///< entries that were hidden in the last frame and were tested again
 
-    // Over frames.
+    // Kept between frames.
     KeepTable keep_table_;
     ScreenCoverage coverage_;
     LateTests late_;

@@ -1,10 +1,10 @@
-// The clock of `adaptive`: what the device's work takes, and what a frame has spent on tests so
-// far. Without a clock nothing is measured, and costs stay what the device's hints say.
+// The clock of `adaptive`: times the device's work, and adds up what a frame spends on tests.
+// Without a clock nothing is measured, and costs stay at the device's hints.
 //
-// A clock that stands still while a frame is made, or that ticks only every few milliseconds, would
-// teach that everything is free. Its zeros give it away: work that the device is waited for takes
-// longer than a tick of any clock that can measure it. After kMaxZeroTimes such zeros the clock is
-// not asked any more, and what it taught is forgotten.
+// A clock that stands still during a frame, or ticks only every few milliseconds, would make every
+// cost 0. Its zeros give it away: a wait for the device takes longer than one tick of any useful
+// clock. After kMaxZeroTimes such zeros the clock is ignored, and the costs that it taught are
+// forgotten.
 #pragma once
 
 #include <occlude/core/clock.h>
@@ -24,8 +24,8 @@ public:
     {
     }
 
-    /// Takes the device's hints, for a target of `size_px`. What was measured stays. The frame is
-    /// expected to draw `units`.
+    /// Takes the device's hints for a target of `size_px`, and keeps what was measured. `units`:
+    /// the work that the frame is expected to draw.
     void start_frame(const DeviceCaps& caps, glm::ivec2 size_px = glm::ivec2{0},
                      double units = 0.0);
 
@@ -34,34 +34,34 @@ public:
     // --- the clock ---
 
     bool has_clock() const { return clock_ && zero_times_ < kMaxZeroTimes; }
-    /// There is a clock, but it cannot measure the device's work.
+    /// True if there is a clock, but it cannot measure the device's work.
     bool clock_is_useless() const { return clock_ && zero_times_ >= kMaxZeroTimes; }
-    /// The clock, or null.
+    /// The clock, or null if there is none or it is useless.
     const SecondsClock* clock() const { return has_clock() ? &clock_ : nullptr; }
     /// Gives a useless clock another chance.
     void trust_clock() { zero_times_ = 0; }
-    /// Microseconds; 0 without a clock.
+    /// The time in microseconds; 0 without a clock.
     double now_us() const
     {
         constexpr double kUsPerSecond = 1e6;
         return has_clock() ? kUsPerSecond * clock_() : 0.0;
     }
-    /// The device was waited for from one moment to the other: did the clock move?
+    /// Checks the clock: the device was waited for between these two times, so they must differ.
     void check_clock(double from_us, double to_us);
 
-    // --- what work took, from idle to idle; ignored without a clock ---
+    // --- measured times, from idle to idle; ignored without a clock ---
 
-    /// Drawing of `units`. A negative time counts as 0.
+    /// Records that drawing `units` took `us`. A negative time counts as 0.
     void note_drawing(double units, double us);
-    /// A round of tests, as CostModel::record_round().
+    /// Records a round of tests; see CostModel::record_round().
     void note_round(TestMethod method, size_t tests, size_t boxes, double us);
 
-    /// One read-back in tiles of this size.
+    /// Records one read-back in tiles of `tile_px`.
     void note_read(int tile_px, double us);
 
-    // --- this frame ---
+    // --- what this frame spends on tests ---
 
-    /// What it has spent on tests, and how many there were.
+    /// Adds the time and the number of tests.
     void spend(double us, double tests)
     {
         spent_us_ += us;
@@ -70,7 +70,7 @@ public:
     double spent_us() const { return spent_us_; }
     double tests() const { return tests_; }
 
-    /// A frame pays for one trial of what a method costs at most: false after note_trial().
+    /// True until note_trial() if there is a clock: a frame pays for one trial of a method.
     bool may_try() const { return has_clock() && !tried_; }
     void note_trial() { tried_ = true; }
 

@@ -2,7 +2,7 @@
 
 namespace occlude {
 
-// A method whose hint says that it costs this many times the method in use is not worth a trial.
+// A method that costs at least this many times the method in use, by the hints, is never tried.
 constexpr double kHopelessRatio = 4.0;
 
 void MethodTrials::try_one(CullFrame& frame, std::span<const CutCandidate> candidates,
@@ -54,7 +54,7 @@ bool MethodTrials::read_and_measure(CullFrame& frame)
     return known;
 }
 
-// Of boxes that the near plane does not touch. None, if there are too few.
+// Tests boxes that the near plane does not touch; tests nothing if there are too few of them.
 void MethodTrials::try_round(CullFrame& frame, TestMethod method, CostModel::RoundSize size,
                              std::span<const CutCandidate> candidates)
 {

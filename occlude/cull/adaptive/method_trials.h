@@ -1,8 +1,8 @@
-// Measures what test methods cost that are not in use: now and then one round of one method, on a
-// device that is idle, over boxes that are to be tested anyway. The answers are not used.
+// Measures the cost of test methods that are not in use. A trial is one round by one method on an
+// idle device, over boxes that will be tested anyway. Its answers are ignored.
 //
-// Guarantees  One trial in a frame at most, of at most 16 tests or one read-back; none without a
-//             clock, and none that the contract of the device forbids (C5, C11).
+// Guarantees  At most one trial per frame, of at most 16 tests or one read-back. There is none
+//             without a clock, and none that the device's contract forbids (C5, C11).
 #pragma once
 
 #include <occlude/cull/adaptive/shared.h>
@@ -20,14 +20,15 @@ public:
     {
     }
 
-    /// Tries the first method that may be the best and is not fully known. Precondition: the device
-    /// is idle. `free_tickets`: how many more tests the device can take.
+    /// Tries the first method that may be the cheapest and is not fully measured. Precondition: the
+    /// device is idle. `free_tickets`: how many more tests the device can take.
     void try_one(CullFrame& frame, std::span<const CutCandidate> candidates, size_t free_tickets);
 
-    /// Is it worth a look at how long a read-back takes?
+    /// True if the cost of a read-back is worth measuring in this frame.
     bool read_is_due(const CullFrame& frame) const;
-    /// Reads depth, in the tiles that are to be measured next, and measures how long it takes. The
-    /// target was not read since it was drawn to: a second time it would come from a cache.
+    /// Reads depth in the tiles that are next to be measured, and records the time. Precondition:
+    /// the target has not been read since the last draw, because a second read would come from a
+    /// cache.
     bool read_and_measure(CullFrame& frame);
 
 private:
@@ -35,7 +36,8 @@ private:
                    std::span<const CutCandidate> candidates);
 
     AdaptiveShared& shared_;
-    bool chooses_; ///< false: an option prescribes the method, and the others are of no interest
+    bool chooses_; ///< false: an option prescribes the method, so that the costs of the others do
+                   ///< not matter
     TestBatch batch_;
     std::vector<Ticket> tickets_;
 };

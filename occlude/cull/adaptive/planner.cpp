@@ -8,7 +8,7 @@ namespace {
 
 constexpr const PlannerConstants& k = kPlannerConstants;
 
-// Below this a time is taken to be this, so that ratios are finite.
+// Shorter times are rounded up to this, so that ratios are finite.
 constexpr double kMinUs = 1e-3;
 
 FramePlan::Kind kind_of(TestMethod method)
@@ -50,16 +50,17 @@ bool AdaptivePlanner::reads_are_expensive(const CostModel& costs) const
                k.expensive_read_ratio * costs.hint(TestMethod::pyramid).us_per_round;
 }
 
-// Is the cost of the method in use known from a few read-backs, which may have been disturbed? Then
-// nothing is decided by it, unless it would have to be wrong by far.
-bool AdaptivePlanner::guesses(const CostModel& costs) const
+// True if the cost of the method in use rests on a few read-backs, which may have been disturbed.
+// The planner then keeps the method, unless the reads are far more expensive than their hint.
+bool AdaptivePlanner::cost_is_uncertain(const CostModel& costs) const
 {
     return method_ == TestMethod::pyramid && costs.partly_known(method_) &&
            !reads_are_expensive(costs);
 }
 
-// Will a trial tell what the method costs, or has one begun to?
-bool AdaptivePlanner::measuring(const CostModel& costs, TestMethod method, bool measures) const
+// True if a trial has begun to measure the method, or will do so.
+bool AdaptivePlanner::is_being_measured(const CostModel& costs, TestMethod method,
+                                        bool measures) const
 {
     const bool tries = measures && method_ == TestMethod::pyramid && !reads_are_expensive(costs);
     return costs.partly_known(method) || (tries && costs.least_known(method).tests > 0);
@@ -78,14 +79,15 @@ TestMethod AdaptivePlanner::choose_method(const CostModel& costs, bool measures)
     case AdaptiveOptions::Method::automatic:
         break;
     }
-    if (guesses(costs)) {
+    if (cost_is_uncertain(costs)) {
         return method_;
     }
     const bool has_one = costs.has(method_);
     TestMethod best = method_;
     double best_us = has_one ? k.cost_ratio_to_switch * expected_us(costs, method_) : 0.0;
     for (const TestMethod method : {TestMethod::pyramid, TestMethod::raster, TestMethod::queries}) {
-        const bool not_now = has_one && (method == method_ || measuring(costs, method, measures));
+        const bool not_now =
+            has_one && (method == method_ || is_being_measured(costs, method, measures));
         if (!costs.has(method) || not_now) {
             continue;
         }
@@ -109,7 +111,7 @@ bool AdaptivePlanner::start_frame(const CostModel& costs, const Start& start)
         frames_since_probe_ = k.rare_probe_frames;
     }
     if (start.cut_is_empty && method_ != TestMethod::pyramid) {
-        // Tests on the device see nothing before something is drawn.
+        // Nothing is drawn yet, so that tests on the device would hide nothing.
         if (is_first_look()) {
             state_ = State::first_probes;
             frames_since_probe_ = k.rare_probe_frames;
@@ -171,7 +173,7 @@ void AdaptivePlanner::note_sharing(double tests, double kept)
 
 // --- after a frame -------------------------------------------------------------------------------
 
-// With hysteresis: what has begun to pay need not pay in every single frame.
+// Smoothing the ratio gives hysteresis: tests need not pay in every single frame.
 FramePlan AdaptivePlanner::judge(const CostModel& costs, const Outcome& outcome)
 {
     const bool chooses = options_.method == AdaptiveOptions::Method::automatic;
@@ -186,15 +188,15 @@ FramePlan AdaptivePlanner::judge(const CostModel& costs, const Outcome& outcome)
     plan.saved_us = static_cast<float>(saved_us);
     plan.spent_us = static_cast<float>(outcome.spent_us);
 
-    // What a first look drew in vain the next frame need not draw.
+    // The next frame does not draw what the first look drew in vain.
     const double may_save_us =
         saved_us + (first_look ? costs.us_per_unit() * outcome.wasted_units : 0.0);
     const double ratio = may_save_us / std::max(outcome.spent_us, kMinUs);
     saved_per_spent_ = first_look ? ratio
                                   : (1.0 - k.ratio_step) * saved_per_spent_ +
                                         k.ratio_step * std::min(ratio, k.max_frame_ratio);
-    const bool pays = outcome.spent_us > 0.0 &&
-                      (saved_per_spent_ >= double{options_.keep_margin} || guesses(costs));
+    const bool pays = outcome.spent_us > 0.0 && (saved_per_spent_ >= double{options_.keep_margin} ||
+                                                 cost_is_uncertain(costs));
     state_ = State::culling;
     if (chooses && !pays) {
         state_ = State::drawing_all;
@@ -250,7 +252,7 @@ void AdaptivePlanner::judge_probe(const CostModel& costs, const Outcome& outcome
         state_ = State::culling;
         return;
     }
-    // The first probes come one after the other, because they teach what tests cost.
+    // The first probes follow one another directly, because they teach what tests cost.
     const bool learns = is_first_look() && first_probes_ < k.max_first_probes &&
                         costs.least_known(method_).tests > 0;
     state_ = learns ? State::first_probes : State::drawing_all;

@@ -28,24 +28,24 @@ struct AdaptiveShared {
 
     const CostModel& costs() const { return meter.costs(); }
 
-    /// Makes the traversals follow what has been learnt of costs.
+    /// Hands the measured costs to the traversals.
     void update_prices()
     {
         cut.set_prices(planner.cut_prices(costs()));
         depth.set_budget(planner.depth_budget(costs()));
     }
 
-    /// The work that has been drawn of a frame.
+    /// The work that the frame has drawn so far, in units.
     double drawn_units(const CullFrame& frame) const
     {
         return costs().units(frame.counters().triangles_drawn, frame.counters().items_drawn);
     }
-    /// The box of an entry as a test on the device must see it (rule R2).
+    /// The box of an entry as a test on the device must see it: inflated (rule R2).
     Aabb test_box(const CullFrame& frame, const HierarchyCut::Entry& entry) const
     {
         return frame.view().inflated_for_test(cut.box_of(entry));
     }
-    /// Rule R1: the near plane may touch that box, so that it must not be tested (C5).
+    /// Rule R1: if the near plane may touch that box, it must not be tested (C5).
     bool touches_near(const CullFrame& frame, const HierarchyCut::Entry& entry) const
     {
         return frame.view().touches_near(test_box(frame, entry));

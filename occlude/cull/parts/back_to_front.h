@@ -1,4 +1,4 @@
-// The order of translucent items: far to near, the same whichever algorithm found them.
+// The order of translucent items: far to near, and the same for every algorithm.
 #pragma once
 
 #include <occlude/core/ids.h>
@@ -13,8 +13,8 @@ struct TranslucentItem {
     uint32_t triangles = 0;
 };
 
-/// True if `a` is blended before `b`: the nearest point of its box is farther, or they are equally
-/// far and its id is smaller. A total order, so that leaving out hidden items changes no pixel.
+/// True if `a` is blended before `b`: the nearest point of its box is farther, or equally far and
+/// its id is smaller. A total order, so that leaving out hidden items changes no pixel.
 inline bool blended_before(const TranslucentItem& a, const TranslucentItem& b)
 {
     return a.distance_key != b.distance_key ? a.distance_key > b.distance_key : a.item < b.item;

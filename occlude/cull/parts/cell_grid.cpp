@@ -9,9 +9,10 @@ namespace occlude {
 
 namespace {
 
-// Enough for every grid over items that mostly lie apart: an item of a cell's size overlaps eight.
+// Overlaps allowed per item. Enough for items that mostly lie apart: an item of a cell's size
+// overlaps eight cells.
 constexpr uint64_t kOverlapsPerItem = 32;
-constexpr uint64_t kLeastOverlapBudget = 1 << 16; // 0.5 MiB; so that small scenes are not limited
+constexpr uint64_t kLeastOverlapBudget = 1 << 16; // 0.5 MiB, so that small scenes are not limited
 
 } // namespace
 
@@ -33,8 +34,8 @@ void CellGrid::find_owners(const Hierarchy& hierarchy)
     }
 }
 
-// The part of `box` that lies in a cell. Rounding goes outward, by a millionth of the cell; the
-// outermost cells reach as far as the items do.
+// The part of `box` that lies in a cell, rounded outward by a millionth of the cell. The outermost
+// cells reach as far as the items do.
 static Aabb part_in_cell(const Aabb& box, const Lattice& lattice, const glm::uvec3& at)
 {
     constexpr double kSlop = 1e-6;
@@ -60,7 +61,7 @@ static Aabb intersection(const Aabb& a, const Aabb& b)
     return {glm::max(a.min, b.min), glm::min(a.max, b.max)};
 }
 
-// One cell from its overlaps, which name no other.
+// Makes one cell from `overlaps`, which all name this cell.
 CellGrid::Cell CellGrid::make_cell(std::span<const Overlap> overlaps, const Lattice& lattice,
                                    const Aabb& region)
 {
@@ -77,7 +78,7 @@ CellGrid::Cell CellGrid::make_cell(std::span<const Overlap> overlaps, const Latt
     return cell;
 }
 
-// How many pairs of an item and a cell that it overlaps a lattice has. O(items).
+// The number of (item, overlapped cell) pairs in a lattice. O(items).
 uint64_t CellGrid::count_overlaps(std::span<const ItemPosition> items, const Aabb& region,
                                   const Lattice& lattice) const
 {
@@ -91,8 +92,8 @@ uint64_t CellGrid::count_overlaps(std::span<const ItemPosition> items, const Aab
 }
 
 // The finest lattice of at most `cells` cells whose overlaps the budget allows. Items that overlap
-// one another overlap most cells: without a budget, grids in grids of n such items have n^3 of
-// them.
+// one another overlap most cells, too: without a budget, nested grids over n such items would have
+// n^3 overlaps.
 Lattice CellGrid::choose_lattice(std::span<const ItemPosition> items, const Aabb& region,
                                  uint64_t cells) const
 {
@@ -104,7 +105,7 @@ Lattice CellGrid::choose_lattice(std::span<const ItemPosition> items, const Aabb
     return lattice;
 }
 
-// A grid over the parts of the items in `region`, and the grids nested in it.
+// Makes a grid over the parts of the items in `region`, and the grids nested in it.
 uint32_t CellGrid::build_grid(const std::vector<ItemPosition>& items, const Aabb& region,
                               const CellGridOptions& options, uint32_t level)
 {
@@ -146,7 +147,7 @@ uint32_t CellGrid::build_grid(const std::vector<ItemPosition>& items, const Aabb
     const uint32_t cells_end = static_cast<uint32_t>(cells_.size());
     for (uint32_t c = grids_[grid].first_cell; c < cells_end && level < options.nested_levels;
          ++c) {
-        const Cell cell = cells_[c]; // a copy: cells_ grows
+        const Cell cell = cells_[c]; // a copy, because cells_ grows
         const bool crowded = cell.count > 1 && cell.triangles / 2 > cell_triangles;
         if (crowded && overlap_budget_ >= 2 * uint64_t{cell.count}) {
             const std::vector<ItemPosition> own(items_.begin() + cell.first,

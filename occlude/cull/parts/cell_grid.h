@@ -1,9 +1,9 @@
-// The items of a hierarchy in the cells of a grid of their own, where an item is in every cell that
-// its box overlaps: what the algorithms that think in cells walk instead of the tree.
+// A grid over the items of a hierarchy, where an item is in every cell that its box overlaps. The
+// algorithms that work on cells walk this grid instead of the tree.
 //
-// A cell's box is around the parts of its items' boxes that lie in the cell. So every point of an
-// item lies in the box of one of the item's cells: an item all of whose cells are hidden is hidden.
-// A cell that holds too much can be a grid again (nested), over that box.
+// A cell's box bounds the parts of its items' boxes that lie in the cell. So every point of an item
+// lies in the box of one of the item's cells: if all of them are hidden, so is the item. A cell
+// with too many triangles can hold a nested grid over that box.
 #pragma once
 
 #include <occlude/core/assert.h>
@@ -18,12 +18,12 @@
 namespace occlude {
 
 struct CellGridOptions {
-    /// The mean number of triangles per cell, empty cells included: it sets the number of cells.
-    /// Where items overlap one another there are fewer cells, so that an item is in at most 32
-    /// cells on average, all grids together.
+    /// The mean number of triangles per cell, empty cells included, which sets the number of cells.
+    /// If items overlap one another, there are fewer cells, so that an item is in at most 32 cells
+    /// on average over all grids.
     uint64_t cell_triangles = 4096;
-    /// A cell of more than twice as many triangles, and more than one item, is a grid again: grids
-    /// are nested up to this many levels deep.
+    /// A cell of more than twice that many triangles and more than one item holds a nested grid, up
+    /// to this many levels deep.
     uint32_t nested_levels = 0;
 };
 
@@ -34,10 +34,10 @@ public:
     /// An occupied cell.
     struct Cell {
         Aabb box;
-        glm::uvec3 at{0};   ///< in the lattice of its grid
-        uint32_t first = 0; ///< into the positions of all cells
+        glm::uvec3 at{0};   ///< its index in the lattice of its grid
+        uint32_t first = 0; ///< its first index into the positions of all cells
         uint32_t count = 0;
-        uint64_t triangles = 0; ///< of all its items, as if wholly in it
+        uint64_t triangles = 0; ///< triangles of all its items, as if they lay wholly in the cell
         uint32_t grid = kNone;  ///< the grid nested in it
     };
     struct Grid {
@@ -46,11 +46,11 @@ public:
         uint32_t cell_count = 0;
     };
 
-    /// Builds the cells again if `hierarchy` has another structure or other bounds than when they
-    /// were built. O(items) if nothing has changed, O(n log^2 n) for n items otherwise.
+    /// Builds the cells again if `hierarchy` has another structure or other bounds than at the last
+    /// build. O(items) if nothing has changed, O(n log^2 n) for n items otherwise.
     void update(const Hierarchy& hierarchy, const CellGridOptions& options);
 
-    /// The outermost grid comes first; none if no item has a bounded box.
+    /// The outermost grid comes first. Empty if no item has a bounded box.
     std::span<const Grid> grids() const { return grids_; }
     std::span<const Cell> cells() const { return cells_; }
     std::span<const Cell> cells(const Grid& grid) const
@@ -63,15 +63,15 @@ public:
         OCCLUDE_ASSERT(cell.first + cell.count <= items_.size(), "a cell of another grid");
         return std::span{items_}.subspan(cell.first, cell.count);
     }
-    /// The items that have no bounded box and so are in no cell: always visible. An item with an
-    /// empty box is neither here nor in a cell.
+    /// The items that are always visible: their boxes are not bounded, so that they are in no cell.
+    /// An item with an empty box is neither here nor in a cell.
     std::span<const ItemPosition> unbounded() const { return unbounded_; }
 
-    /// The node that has the item among its own items.
+    /// The node whose own items include the item.
     NodeId owner(ItemPosition item) const { return owners_[item.value]; }
 
 private:
-    using Overlap = std::pair<uint64_t, ItemPosition>; // index of a cell in its lattice, item
+    using Overlap = std::pair<uint64_t, ItemPosition>; // (index of a cell in its lattice, item)
 
     bool is_current(const Hierarchy& hierarchy) const;
     void find_owners(const Hierarchy& hierarchy);
@@ -84,7 +84,8 @@ private:
     Cell make_cell(std::span<const Overlap> overlaps, const Lattice& lattice, const Aabb& region);
 
     uint64_t structure_ = 0;
-    uint64_t overlap_budget_ = 0;    ///< overlaps that grids still to be built may have together
+    uint64_t overlap_budget_ = 0;    ///< how many overlaps the grids still to be built may have
+                                     ///< together
     std::vector<ItemBounds> bounds_; ///< by position, as the cells were built
     std::vector<NodeId> owners_;
     std::vector<Grid> grids_;

@@ -74,7 +74,7 @@ static void mark_copied(OcclusionGrid& grid, int first_row, int end_row)
     }
 }
 
-// Makes pixels_ hold the rows of all asked cells as they are now. False if the device cannot.
+// Reads the rows of all asked cells into pixels_. False if the device cannot.
 bool ReadBackPixels::copy_rows(CullFrame& frame, OcclusionGrid& grid,
                                std::span<const AskedCell> cells)
 {
@@ -108,7 +108,8 @@ bool ReadBackPixels::copy_rows(CullFrame& frame, OcclusionGrid& grid,
     return true;
 }
 
-// The first of the pixels of `rect`, with `stride` floats between rows; null if the device cannot.
+// Reads `rect` and returns its first pixel, with `stride` floats between rows; null if the device
+// cannot.
 const float* ReadBackPixels::pixels_of(CullFrame& frame, const PixelRect& rect, size_t& stride)
 {
     if (join() != Join::cell) {
@@ -142,7 +143,7 @@ bool TiledPixels::look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestio
     return false;
 }
 
-// Makes tiles_ hold the depth of the whole target as it is now. False if the device cannot.
+// Reads the tiles of the whole target into tiles_. False if the device cannot.
 bool TiledPixels::read(CullFrame& frame, OcclusionGrid& grid)
 {
     size_in_tiles_ = tiles_in(frame.view().size_px(), tile_px_);
@@ -154,7 +155,7 @@ bool TiledPixels::read(CullFrame& frame, OcclusionGrid& grid)
     return true;
 }
 
-// An upper bound for the pixels of `rect`: a tile may reach beyond it.
+// An upper bound of the depths in `rect`, because a tile may reach beyond it.
 float TiledPixels::farthest(const PixelRect& rect) const
 {
     const glm::ivec2 low{rect.x / tile_px_, rect.y / tile_px_};
@@ -189,8 +190,8 @@ bool TiledPixels::any_tile_is_free(const PixelQuestion& question, const PixelRec
 
 // --- queries -------------------------------------------------------------------------------------
 
-// Nearer than zmax, or the rectangle could not be drawn at all. A pixel that was drawn into beyond
-// this depth reads as free, which errs toward visible.
+// An answer of 0 samples means: nearer than zmax, or the rectangle could not be drawn at all. A
+// pixel that was drawn into beyond this depth counts as free, which errs toward visible.
 float QueriedPixels::uncovered_depth() const
 {
     return 1.0f - 0x1p-18f;
@@ -202,7 +203,7 @@ bool QueriedPixels::look(CullFrame& frame, OcclusionGrid& grid, const PixelQuest
     batch_.clear();
     rectangles_.clear();
     maps_.clear();
-    maps_.reserve(2 * cells.size()); // the batch points to them
+    maps_.reserve(2 * cells.size()); // keeps the matrices where they are: the batch points to them
     bool free = false;
     for (const AskedCell& a : cells) {
         const PixelRect all = grid.pixels(a.cell);
@@ -218,7 +219,8 @@ bool QueriedPixels::look(CullFrame& frame, OcclusionGrid& grid, const PixelQuest
     return (!batch_.empty() && read_answers(frame, grid, question.depth)) || free;
 }
 
-// Adds the test of a rectangle at the question's depth to the batch. False if there is none.
+// Adds the test of a rectangle at the question's depth to the batch. False if the rectangle cannot
+// be tested.
 bool QueriedPixels::add_rectangle(const View& view, const PixelQuestion& question,
                                   const PixelRect& rect, RectangleTest test)
 {

@@ -1,6 +1,5 @@
-// Three ways of looking at the pixels of the cells of an occlusion grid, behind one interface:
-// depth that is read back, by pixels or by the farthest of tiles, and occlusion queries of
-// rectangles.
+// Three ways to look at the pixels of a cell of an occlusion grid, behind one interface: depth read
+// back pixel by pixel, the farthest depth of tiles, and occlusion queries of rectangles.
 //
 // Implements  Hey, Tobler, Purgathofer 2001, section 5. LazyGrid (lazy_grid.h) says which cells are
 //             asked; the answers change the grid's cells here.
@@ -19,32 +18,32 @@
 
 namespace occlude {
 
-/// A cell that must be asked, and the part of it that the tested volume covers.
+/// A cell whose pixels must be looked at, and the part of it that the tested volume covers.
 struct AskedCell {
     glm::ivec2 cell{0};
     PixelRect part;
 };
 
-/// Is some pixel of the part of some cell at `depth` or farther?
+/// The question: is some pixel in one of the asked parts at `depth` or farther?
 struct PixelQuestion {
     NodeId subject; ///< the node that is tested
     float depth = 0.0f;
-    /// The faces of the volume, where it is not its rectangle: then a pixel counts only if the
-    /// volume could be seen there. Null: its rectangle. Only depth that is read back heeds it.
+    /// The faces of the volume: a pixel then counts only if the volume could be seen there. Null:
+    /// the volume is its rectangle. Only depth that is read back takes faces into account.
     const ScreenBox* faces = nullptr;
 };
 
 class CellPixels {
 public:
-    /// What one look at the device takes.
+    /// How much one look at the device covers.
     enum class Join : uint8_t {
         cell,   ///< one cell, as in the paper
         rows,   ///< all cells of a question: whole rows of cells, or one batch of queries
-        target, ///< as rows, but a read-back takes the whole target
+        target, ///< like rows, but a read-back covers the whole target
     };
 
-    /// Section 6: a cell of which a part of at least `whole_cell_share` is asked is asked as a
-    /// whole, so that the grid can keep the answer. 0: never.
+    /// Section 6: if at least `whole_cell_share` of a cell is asked about, the whole cell is looked
+    /// at, so that the grid can keep the answer. 0: never.
     CellPixels(Join join, double whole_cell_share)
         : join_(join)
         , whole_cell_share_(whole_cell_share)
@@ -52,14 +51,14 @@ public:
     }
     virtual ~CellPixels() = default;
 
-    /// Answers the question after all draws so far, and tells the cells of `grid` what it saw. Errs
-    /// toward true; so does a device that cannot answer.
+    /// Answers the question after all draws so far, and updates the cells of `grid`. Errs toward
+    /// true, also if the device cannot answer.
     bool any_pixel_is_free(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
                            std::span<const AskedCell> cells);
 
-    /// The depth that asks whether a pixel was drawn into at all.
+    /// The depth for the question whether a pixel was never drawn into.
     virtual float uncovered_depth() const = 0;
-    /// The depth that asks for the state of all cells, so that no pixel ends the question early.
+    /// The depth for the question about the state of all cells: no pixel can end it early.
     virtual float state_depth() const = 0;
 
 protected:
@@ -74,13 +73,13 @@ private:
     double whole_cell_share_;
 };
 
-/// Depth that is read back: QueryDevice::read_depth, from a hardware or a software buffer.
+/// Depth that is read back by QueryDevice::read_depth, from a hardware or a software buffer.
 class ReadBackPixels final : public CellPixels {
 public:
     using CellPixels::CellPixels;
 
     float uncovered_depth() const override { return OcclusionGrid::kFarthest; }
-    float state_depth() const override { return 2.0f; } // no pixel is as far
+    float state_depth() const override { return 2.0f; } // farther than any pixel
 
 private:
     bool look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
@@ -88,16 +87,15 @@ private:
     bool copy_rows(CullFrame& frame, OcclusionGrid& grid, std::span<const AskedCell> cells);
     const float* pixels_of(CullFrame& frame, const PixelRect& rect, size_t& stride);
 
-    std::vector<float> pixels_; ///< copy of the target's depth, or of one cell
+    std::vector<float> pixels_; ///< a copy of the target's depth, or of one cell
 };
 
-/// Depth that the device reduced to the farthest of each tile: QueryDevice::read_depth_tiles. A
-/// look takes the whole target. All pixels of a tile count as far as its farthest one, so that more
-/// are free than with ReadBackPixels, and no box is hidden that is not hidden there.
+/// Depth that the device reduced to the farthest of each tile (QueryDevice::read_depth_tiles). One
+/// look covers the whole target. All pixels of a tile count as far as its farthest one. So more
+/// pixels are free than with ReadBackPixels, and no additional box is hidden.
 class TiledPixels final : public CellPixels {
 public:
-    /// Precondition of any_pixel_is_free(): the device lists tiles of `tile_px` in
-    /// caps.depth_reads.
+    /// Precondition of any_pixel_is_free(): caps.depth_reads lists tiles of `tile_px`.
     TiledPixels(double whole_cell_share, int tile_px)
         : CellPixels(Join::target, whole_cell_share)
         , tile_px_(tile_px)
@@ -105,7 +103,7 @@ public:
     }
 
     float uncovered_depth() const override { return OcclusionGrid::kFarthest; }
-    float state_depth() const override { return 2.0f; } // no pixel is as far
+    float state_depth() const override { return 2.0f; } // farther than any pixel
 
 private:
     bool look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
@@ -119,7 +117,7 @@ private:
     std::vector<float> tiles_;
 };
 
-/// Occlusion queries of rectangles that face the camera: they need no depth from the device.
+/// Occlusion queries of rectangles that face the camera. They need no depth from the device.
 class QueriedPixels final : public CellPixels {
 public:
     using CellPixels::CellPixels;
@@ -132,7 +130,7 @@ private:
     struct RectangleTest {
         glm::ivec2 cell;
         bool whole; ///< it covers all pixels of the cell
-        bool part;  ///< it covers the asked part and no more
+        bool part;  ///< it covers exactly the asked part
     };
 
     bool look(CullFrame& frame, OcclusionGrid& grid, const PixelQuestion& question,
@@ -142,8 +140,8 @@ private:
     bool read_answers(CullFrame& frame, OcclusionGrid& grid, float depth);
 
     TestBatch batch_;
-    std::vector<RectangleTest> rectangles_; ///< of the tests in `batch_`
-    std::vector<glm::mat4> maps_;           ///< ... from the unit square to the world
+    std::vector<RectangleTest> rectangles_; ///< one per test in `batch_`
+    std::vector<glm::mat4> maps_; ///< of each rectangle: from the unit square to the world
     std::vector<Ticket> tickets_;
 };
 

@@ -62,7 +62,8 @@ uint32_t KeepTable::bin_of(uint32_t frames_hidden)
     if (frames_hidden < 8) {
         return frames_hidden;
     }
-    const auto octave = static_cast<uint32_t>(std::bit_width(frames_hidden)) - 1; // 3 and up
+    // from 8 on: 3 and up
+    const auto octave = static_cast<uint32_t>(std::bit_width(frames_hidden)) - 1;
     const uint32_t quarter = (frames_hidden >> (octave - 2)) & 3u;
     return 8 + 4 * (octave - 3) + quarter;
 }

@@ -8,23 +8,23 @@ namespace occlude {
 
 namespace {
 
-// What a read-back and a test against it cost before anything was measured.
+// The cost of a read-back and of a test against it before anything is measured.
 constexpr RoundCost kPyramidHint{400.0, 0.1, 0.1};
 
-// A frame that draws fewer units says nothing about the cost of drawing.
+// Frames that draw fewer units show nothing about the cost of drawing.
 constexpr double kMinSampleUnits = 256.0;
 
-// Two frames give a slope only if one drew at least this many times as much as the other: otherwise
+// Two frames give a slope only if one drew at least this many times as much as the other. Otherwise
 // noise dominates the difference.
 constexpr double kMinWorkRatio = 4.0;
 
-// However noisy the samples, at least this part of the largest frame's time was drawing.
+// The slope counts at least this share of the largest frame's time as drawing, whatever the noise.
 constexpr double kMinDrawingShare = 0.1;
 
-// Until there is a slope, drawing is taken to cost at most this many times the hint.
+// Until there is a slope, the cost of drawing is capped at this many times the hint.
 constexpr double kMaxHintRatio = 4.0;
 
-// Each cost of a method is measured by this many rounds, of one box and of `kLargeRoundBoxes`.
+// Rounds that measure each cost of a method; they have one box, or `kLargeRoundBoxes`.
 constexpr size_t kMeasuredRounds = 3;
 constexpr size_t kLargeRoundBoxes = 16;
 
@@ -63,13 +63,13 @@ void CostModel::take_hints(const DeviceCaps& caps, glm::ivec2 size_px)
         method.available = caps.same_frame_results;
         method.hint = {cost.us_per_batch, cost.us_per_test + cost.us_per_box, cost.us_per_box};
     }
-    // Tested here, not by the device: all it needs is the depth.
+    // The CPU tests against the pyramid, so that the device needs no more than to read depth.
     Method& pyramid = methods_[index(TestMethod::pyramid)];
     pyramid.available = caps.read_depth;
     pyramid.hint = kPyramidHint;
 }
 
-// The hint of pixels stands for that of the whole method; hints of tiles say how they compare.
+// The hint for pixels stands for the whole method; hints for tiles only compare sizes of tiles.
 void CostModel::take_read_hints(const DeviceCaps& caps, glm::ivec2 size_px)
 {
     const DepthReadCost* pixels = caps.find_depth_read(1);
@@ -154,8 +154,8 @@ double CostModel::whole_us(double units) const
     return us;
 }
 
-// The slope between the frame that drew least and the one that drew most. The whole cost of the
-// largest frame, divided by its units, is a bound on it: no frame costs less than its pixels.
+// Takes the slope between the frame that drew least and the frame that drew most. The whole time of
+// the largest frame, divided by its units, bounds the slope, because pixels cost time, too.
 void CostModel::record_drawing(double units, double us)
 {
     if (units < kMinSampleUnits) {
@@ -208,7 +208,7 @@ CostModel::RoundSize CostModel::least_known(TestMethod which) const
         return {};
     }
     if (which == TestMethod::pyramid) {
-        // Of pixels: that there may be cheaper tiles leaves no decision open.
+        // Of pixels: whether tiles would be cheaper decides nothing here.
         return reads_[0].us.count() < kMeasuredRounds ? RoundSize{1, 1} : RoundSize{};
     }
     const size_t rounds = method.small_round_us.count();

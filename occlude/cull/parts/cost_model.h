@@ -1,16 +1,16 @@
-// What work costs on the running device, measured while frames are made: the numbers that
-// `adaptive` decides by.
+// The costs of work on the running device, measured while frames are made. `adaptive` decides by
+// these numbers.
 //
 // Implements  the measured constants of M. Guthe, A. Balazs, R. Klein, "Near Optimal Hierarchical
-//             Culling: Performance Driven Use of Hardware Occlusion Queries", EGSR 2006: what it
-//             costs to draw and what it costs to test.
+//             Culling: Performance Driven Use of Hardware Occlusion Queries", EGSR 2006: the cost
+//             of drawing and the cost of testing.
 // Deviations  The paper measures once, at start-up, with drawings of its own. Here the frames
-//             themselves are timed, from one moment at which the device is idle to the next. A
-//             read-back and an awaited answer are such moments. That is the time a frame waits for,
-//             and it follows machines whose speed drifts. Timer queries would leave out the work of
-//             the processor, which on software devices is all work. What is learnt of drawing is a
-//             slope, the cost of one unit more: pixels cost the same whatever is hidden. Of each
-//             test method three numbers are learnt (RoundCost).
+//             themselves are timed, between moments at which the device is idle: after a read-back,
+//             or when an awaited answer arrives. That is the time a frame waits for, and it follows
+//             machines whose speed drifts. Timer queries would leave out the work of the CPU, which
+//             on software devices is all work. The cost of drawing is learnt as a slope, the time
+//             of one more unit, because pixels cost the same whatever is hidden. Each test method
+//             has three measured costs (RoundCost).
 // Guarantees  Every figure is a median of recent samples, so that one disturbed frame changes
 //             nothing. Without a clock there are no samples, and the hints of DeviceCaps stay:
 //             decisions are then the same in every run.
@@ -25,8 +25,8 @@
 
 namespace occlude {
 
-/// The median of the last five samples, or of as many as there are; of an even number the lower of
-/// the two in the middle. One disturbed sample changes nothing.
+/// The median of the last five samples, or of all if there are fewer. Of an even number of samples,
+/// it is the lower of the two in the middle. One disturbed sample changes nothing.
 class RecentMedian {
 public:
     void add(double sample);
@@ -41,9 +41,9 @@ private:
     size_t count_ = 0;
 };
 
-/// What one round of tests by one method costs, in microseconds: `us_per_round` whatever is asked,
-/// with starting the device and waiting for it; `us_per_test` for each test of one box;
-/// `us_per_box` for each further box that shares a test.
+/// The cost of one round of tests by one method, in microseconds: `us_per_round` for starting the
+/// device and waiting for it, `us_per_test` for each test of one box, and `us_per_box` for each
+/// further box that shares a test.
 struct RoundCost {
     double us_per_round = 0.0;
     double us_per_test = 0.0;
@@ -55,10 +55,10 @@ struct RoundCost {
 
 class CostModel {
 public:
-    /// Starts from the device's hints, those of read-backs for a target of `size_px`. Keeps what
-    /// was measured if they are the hints it had.
+    /// Starts from the device's hints; hints of read-backs hold for a target of `size_px`. Keeps
+    /// the measurements if the hints are the same as at the last call.
     void take_hints(const DeviceCaps& caps, glm::ivec2 size_px = glm::ivec2{0});
-    /// Costs are what the hints say again.
+    /// Sets the costs back to the hints.
     void forget_measurements();
 
     // --- drawing ---
@@ -71,11 +71,11 @@ public:
     }
     double us_per_unit() const { return us_per_unit_; }
 
-    /// `units` were drawn in `us`, from idle to idle, with their pixels. Ignores less than
-    /// `kMinSampleUnits`.
+    /// Records that drawing `units`, with their pixels, took `us` from idle to idle. Ignores fewer
+    /// than `kMinSampleUnits`.
     void record_drawing(double units, double us);
-    /// What drawing `units` takes, with their pixels: by the slope, but not less than what as many
-    /// units or fewer have taken.
+    /// The expected time of drawing `units`, with their pixels: by the slope, but at least the
+    /// longest time of a frame that drew as many units or fewer.
     double whole_us(double units) const;
 
     // --- testing ---
@@ -84,11 +84,11 @@ public:
     RoundCost round(TestMethod method) const;
     bool has(TestMethod method) const { return methods_[index(method)].available; }
 
-    /// A round of `tests` of `boxes` by `method` on an idle device took `us`. A round of one
-    /// box by TestMethod::pyramid is a read-back in tiles of tile_px().
+    /// Records that a round of `tests` of `boxes` by `method` took `us` on an idle device. A round
+    /// of one box by TestMethod::pyramid is a read-back in tiles of tile_px().
     void record_round(TestMethod method, size_t tests, size_t boxes, double us);
-    /// The round whose time would tell what is known least of `method`. No tests once each of its
-    /// costs was measured three times, or if the device does not have the method.
+    /// The next round to be timed: it measures the least measured cost of `method`. It has no tests
+    /// once each cost was measured three times, or if the device does not have the method.
     struct RoundSize {
         size_t tests = 0;
         size_t boxes = 0;
@@ -96,23 +96,23 @@ public:
     RoundSize least_known(TestMethod method) const;
     // --- read-backs: a round of TestMethod::pyramid begins with one ---
 
-    /// The tiles in which depth is to be read: 1 is pixels.
+    /// The side of the tiles in which depth is to be read; 1 for pixels.
     int tile_px() const { return reads_[read_].tile_px; }
-    /// Chooses the tiles that cost least in a frame that draws for `drawn_us`: coarser tiles are
-    /// read faster and hide less. Sizes that were not measured are not chosen if pixels were.
+    /// Chooses the cheapest tiles for a frame whose drawing takes `drawn_us`: coarser tiles are
+    /// read faster and hide less. If pixels were measured, only measured sizes are chosen.
     void choose_tile(double drawn_us);
     /// The tiles whose read-back is to be measured next: pixels first, then sizes that may cost
-    /// less by their hints. 0: all are known.
+    /// less by their hints. 0: all are measured.
     int unmeasured_tile_px() const;
-    /// One read-back of the whole target in tiles of this size took `us`, on an idle device.
+    /// Records that one read-back of the whole target in such tiles took `us` on an idle device.
     void record_read(int tile_px, double us);
 
-    /// What the device's hints say that it costs.
+    /// The cost of a round by `method` according to the device's hints.
     RoundCost hint(TestMethod method) const { return methods_[index(method)].hint; }
-    /// Rounds of a single test that were recorded.
+    /// How many rounds of a single test were recorded.
     size_t rounds_measured(TestMethod method) const { return small_round_us(method).count(); }
 
-    /// Some of its costs were measured, but not all.
+    /// True if some of its costs were measured, but not all.
     bool partly_known(TestMethod method) const
     {
         return rounds_measured(method) > 0 && least_known(method).tests > 0;
@@ -129,7 +129,8 @@ private:
     /// One size of tiles.
     struct Read {
         int tile_px = 1;
-        double undrawn_share = 0.0; ///< of the drawing of a frame: what such tiles fail to hide
+        double undrawn_share = 0.0; ///< the share of a frame's drawing that such tiles fail to
+                                    ///< hide, an estimate
         bool available = false;
         double hint_us = 0.0;
         RecentMedian us = {};
@@ -151,7 +152,7 @@ private:
 
     std::array<Method, 4> methods_{};
     std::array<Read, 3> reads_{Read{1, 0.0}, Read{8, 0.04}, Read{16, 0.08}};
-    size_t read_ = 0; ///< the one that is used
+    size_t read_ = 0; ///< index of the tiles in use
     double triangles_per_item_ = 0.0;
     double us_per_unit_ = 0.0;
     static constexpr size_t kSizeClasses = 40;

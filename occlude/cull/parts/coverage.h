@@ -1,4 +1,4 @@
-// The chance that something is hidden by what was drawn before it, from areas on the screen alone.
+// The probability that something is hidden by earlier draws, estimated from areas on the screen.
 //
 // Implements  M. Guthe, A. Balazs, R. Klein, "Near Optimal Hierarchical Culling: Performance Driven
 //             Use of Hardware Occlusion Queries", EGSR 2006: the statistical occlusion model.
@@ -32,10 +32,10 @@ public:
                static_cast<double>(bounds.rect.height) / pixels_;
     }
 
-    /// Something that covers `share` of the screen is drawn, after all that is nearer.
+    /// Records the draw of something that covers `share` of the screen, after everything nearer.
     void add_drawn(double share) { covered_ += (1.0 - covered_) * std::min(share, 1.0); }
 
-    /// p_cov: the chance that what covers `share` lies wholly behind what is drawn.
+    /// p_cov: the probability that something that covers `share` lies wholly behind what is drawn.
     double chance_covered(double share) const
     {
         if (share >= covered_) {

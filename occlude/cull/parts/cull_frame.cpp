@@ -35,7 +35,7 @@ void CullFrame::queue(ItemPosition at)
     queued_triangles_ += hierarchy_.item_bounds(at).triangles;
 }
 
-// Puts an item aside if its flags say so, to be drawn when the frame finishes.
+// Keeps an item that its flags set aside for the end of the frame. False if no flag does.
 bool CullFrame::set_aside(ItemPosition at)
 {
     const ItemBounds& bounds = hierarchy_.item_bounds(at);
@@ -224,7 +224,7 @@ Ticket CullFrame::draw_and_query(NodeId leaf, PlaneMask mask, Decision decision)
     return ticket;
 }
 
-// A threshold counts samples, and of the methods only queries do.
+// Thresholds count samples, which only queries report.
 TestMethod CullFrame::method_for(TestMethod asked) const
 {
     const auto counts = [](const TestCost& cost) { return cost.method == TestMethod::queries; };
@@ -316,7 +316,7 @@ bool CullFrame::count_depth_read(bool read, size_t values)
 bool CullFrame::read_depth(const PixelRect& rect, std::span<float> out)
 {
     OCCLUDE_ASSERT(is_inside(rect, view_.size_px()), "depth is read inside the target");
-    // No room was made for a target that is too large (DepthPyramid::kMaxPixels).
+    // There is no buffer for a target that is too large (DepthPyramid::kMaxPixels).
     return out.size() == pixel_count(rect) &&
            count_depth_read(device_.read_depth(rect, out), out.size());
 }

@@ -1,12 +1,12 @@
-// One frame of one culler: everything an algorithm says to the device goes through here, so that
-// the counters, the decision log and the list of drawn items always agree with what was said.
+// One frame of one culler. An algorithm talks to the device only through this class, so that the
+// counters, the decision log and the list of drawn items always agree.
 //
-// Item flags hold for all algorithms, and none of them needs to know:
-//   never_cull     queued first of all, in the frustum or not; later requests for it are ignored
+// Item flags work the same for all algorithms, which need not know them:
+//   never_cull     queued before everything else, in the frustum or not; later requests are ignored
 //   never_occlude  set aside, and drawn when all tests are done
 //   translucent    set aside, and drawn after everything else, back to front
-// Setting aside is exact: an item that was hidden when its node was tested stays hidden by whatever
-// is drawn later.
+// Setting items aside is exact: what was hidden when its node was tested stays hidden, whatever is
+// drawn later.
 #pragma once
 
 #include <occlude/core/assert.h>
@@ -38,7 +38,7 @@ public:
     {
         boxes_.push_back({inflated_box, nullptr, subject});
     }
-    /// ... in the space of `world_from_box`, which must live until the batch was asked.
+    /// Adds a box in the space of `world_from_box`, which must live until the batch is issued.
     void add_box(const Aabb& inflated_box, const glm::mat4& world_from_box, NodeId subject)
     {
         boxes_.push_back({inflated_box, &world_from_box, subject});
@@ -60,10 +60,10 @@ private:
 
 class CullFrame {
 public:
-    /// Begins the device's frame and clears `record`. All references outlive the frame.
+    /// Begins the device's frame and clears `record`. All references must outlive the frame.
     CullFrame(const Hierarchy& hierarchy, FrameRecord& record, const View& view,
               QueryDevice& device, FrameReport& report);
-    /// Ends the device's frame if finish() did not: the device threw.
+    /// Ends the device's frame if the device threw before finish().
     ~CullFrame();
     CullFrame(const CullFrame&) = delete;
     CullFrame& operator=(const CullFrame&) = delete;
@@ -75,7 +75,7 @@ public:
     uint32_t stamp() const { return static_cast<uint32_t>(report_.frame) + 1; }
     FrameCounters& counters() { return report_.counters; }
     const FrameCounters& counters() const { return report_.counters; }
-    /// For algorithms that choose how to go about a frame.
+    /// The report's plan, for algorithms that choose between ways of making a frame.
     FramePlan& plan() { return report_.plan; }
 
     // --- looking ---
@@ -84,38 +84,40 @@ public:
     /// that its descendants need not test. Counts one visited node.
     bool visit(NodeId node, PlaneMask& mask);
 
-    /// The same of one item of node `owner`, by its position in Hierarchy::items(); logged of the
-    /// item.
+    /// The same as visit(), for one item of node `owner` by its position in Hierarchy::items(). The
+    /// log names the item.
     bool visit_item(NodeId owner, ItemPosition at, PlaneMask& mask);
 
-    /// The same of a node by the ball around the node's box first (classify_sphere_first()), with
-    /// its box only if it is longer than `elongation`: true for some more nodes that are outside.
+    /// The same as visit(), but tests the ball around the node's box first
+    /// (classify_sphere_first()), and the box only if it is longer than `elongation`. Also true for
+    /// some nodes outside the frustum.
     bool visit_sphere_first(NodeId node, PlaneMask& mask, float elongation);
 
-    /// Rule R1: the near plane may touch the node's (inflated) box, so that it must not be tested.
+    /// Rule R1: true if the near plane may touch the node's inflated box, so that it must not be
+    /// tested.
     bool near(NodeId node) const;
 
-    /// The node's box as a test must see it (rule R2).
+    /// The node's box as a test must see it: inflated (rule R2).
     Aabb test_box(NodeId node) const { return view_.inflated_for_test(hierarchy_.node(node).box); }
 
     // --- drawing ---
 
-    /// Puts a leaf's items into the render queue: those that are not outside the planes in `mask`.
+    /// Queues the items of a leaf that are not outside the planes in `mask`.
     void draw_leaf(NodeId leaf, PlaneMask mask, Decision decision);
-    /// ... the items of an inner node itself, without its children.
+    /// Queues the own items of an inner node, without its children.
     void draw_own(NodeId node, PlaneMask mask, Decision decision);
-    /// ... one item of node `owner`, by its position in Hierarchy::items().
+    /// Queues one item of node `owner`, by its position in Hierarchy::items().
     void draw_item(NodeId owner, ItemPosition at, PlaneMask mask, Decision decision);
-    /// ... items by id, in this order (for algorithms that know them otherwise).
+    /// Queues items by id, in this order, for algorithms that do not get them from nodes.
     void draw_items(std::span<const ItemId> items, uint64_t triangles);
 
     uint64_t queued_triangles() const { return queued_triangles_; }
     size_t queued_items() const { return drawn_.size() - flushed_; }
 
-    /// Hands the render queue to the device as one batch; nothing if it is empty.
+    /// Hands the render queue to the device as one batch; does nothing if it is empty.
     void flush_draws();
 
-    /// ... and has it begin, so that it works while the algorithm does.
+    /// Hands the render queue to the device and starts it, so that it works beside the algorithm.
     void start_draws()
     {
         if (queued_items() > 0) {
@@ -124,12 +126,12 @@ public:
         }
     }
 
-    /// True if the device can draw_and_query() and all of the leaf is drawn then: none of its items
-    /// is set aside by a flag.
+    /// True if the device supports draw_and_query() and would draw the whole leaf: no flag sets one
+    /// of its items aside.
     bool can_draw_and_query(NodeId leaf) const;
 
     /// Draws a leaf at once and counts its own samples: a test with the geometry itself.
-    /// Precondition: can_draw_and_query(leaf); items set aside would not be counted.
+    /// Precondition: can_draw_and_query(leaf), because items set aside would not be counted.
     Ticket draw_and_query(NodeId leaf, PlaneMask mask, Decision decision);
 
     /// Draws depth only from now on; finish() then shades all drawn items in one batch.
@@ -137,8 +139,9 @@ public:
 
     // --- testing ---
 
-    /// Issues the collected tests as one batch and writes their tickets; starts them at once. The
-    /// method `automatic` is the device's own, but queries where a threshold above 0 needs counts.
+    /// Issues the collected tests as one batch, starts them, and writes their tickets. The method
+    /// `automatic` is the device's own choice, except that a threshold above 0 needs counts and so
+    /// queries.
     void query(const TestBatch& batch, std::vector<Ticket>& tickets,
                TestMethod method = TestMethod::automatic);
     /// Tests one node's box.
@@ -146,18 +149,17 @@ public:
 
     Answer poll(Ticket ticket);
     Answer wait(Ticket ticket);
-    /// The algorithm will not ask for this ticket any more. The next frames spend it.
+    /// Gives up the ticket: later frames spend it.
     void abandon(Ticket ticket) { record_.tickets.abandon(ticket); }
 
-    /// How many more tests the device can take (C11), for a culler that holds `held` unspent
-    /// tickets.
+    /// How many more tests the device can hold (C11) if the culler has `held` unspent tickets.
     size_t free_tickets(size_t held) const;
 
-    /// Where the device has its samples, for boxes that are compared with depth.
+    /// The sample positions of the device, for boxes that are compared with depth.
     SamplePositions samples() const;
     /// Reads back depth; see QueryDevice::read_depth.
     bool read_depth(const PixelRect& rect, std::span<float> out);
-    /// The same of the farthest depths of tiles; see QueryDevice::read_depth_tiles.
+    /// Reads back the farthest depths of tiles; see QueryDevice::read_depth_tiles.
     bool read_depth_tiles(int tile_px, std::span<float> out);
     /// True if a read-back of this frame failed.
     bool depth_read_failed() const { return depth_read_failed_; }
@@ -169,13 +171,13 @@ public:
         record_.decisions.add(node, decision, scope);
     }
 
-    /// ... of one item of node `owner`, by its position in Hierarchy::items().
+    /// Logs such a decision about one item of node `owner`, by its position in Hierarchy::items().
     void decide_item(NodeId owner, ItemPosition at, Decision decision)
     {
         record_.decisions.add(owner, hierarchy_.item(at), decision);
     }
 
-    /// Draws the queued items and the items set aside, shades after a depth-only pass, ends the
+    /// Draws the queued items and the items set aside, shades after a depth-only pass, and ends the
     /// device's frame.
     void finish();
 
@@ -197,7 +199,7 @@ private:
     QueryDevice& device_;
     FrameReport& report_;
     std::vector<ItemId>& drawn_; ///< record_.drawn_items: all items drawn or queued in this frame
-    size_t flushed_ = 0;         ///< how many of `drawn_` the device has got
+    size_t flushed_ = 0;         ///< how many of `drawn_` the device has received
     uint64_t queued_triangles_ = 0;
     DrawPass pass_ = DrawPass::shade;
     bool testing_ = false;
@@ -205,7 +207,7 @@ private:
     bool depth_read_failed_ = false;
 };
 
-/// A visibility threshold in samples: above it, or unknown, is visible.
+/// True if the answer counts more than `threshold` samples, or is unknown.
 inline bool is_visible(const Answer& answer, uint64_t threshold)
 {
     return answer.state != AnswerState::ready || answer.samples > threshold;

@@ -87,14 +87,14 @@ void CutTraversal::keep(Entry& entry, State state)
 
 void CutTraversal::keep_hidden(CullFrame& frame, Entry entry, Decision decision)
 {
-    constexpr int kMaxFrames = 0xffff; // what the entry can count
+    constexpr int kMaxFrames = 0xffff; // the largest count that the entry holds
     entry.frames_hidden = static_cast<uint16_t>(std::min(entry.frames_hidden + 1, kMaxFrames));
     entry.state = State::hidden;
     entry.tested = frame.stamp();
     hidden_units_ += units_of(entry);
     cut_.keep(entry);
     if (all_drawn_) {
-        return; // nothing is decided
+        return; // tests after drawing decide nothing
     }
     if (entry.is_item()) {
         frame.decide_item(entry.node, entry.place, decision);
@@ -143,8 +143,8 @@ void CutTraversal::sort_out(CullFrame& frame, std::span<const uint64_t> turned_h
             keep_outside(entry);
         } else if (was_visible && !std::binary_search(turned_hidden.begin(), turned_hidden.end(),
                                                       name_of(entry))) {
-            // By the middle: the nearest point of a box that is large, or that holds the eye, says
-            // nothing about the order.
+            // By the middle of the box: the nearest point of a large box, or of one around the eye,
+            // says nothing about the order.
             const glm::vec3 middle = box_of(entry).center();
             candidate.distance = frame.view().distance_key({middle, middle});
             drawn_.push_back(candidate);

@@ -1,18 +1,21 @@
-// One frame over a cut that is kept from frame to frame: the lists that it is sorted into, and what
-// becomes of each entry. Whoever tests (by depth: depth_traversal.h; on the device:
-// adaptive/by_device.h) takes candidates from here and says of each whether it is hidden.
+// One frame over a cut that is kept from frame to frame. It sorts the entries into lists and
+// records the result for each. The tests (by depth: depth_traversal.h; on the device:
+// adaptive/by_device.h) take candidates from here and say of each whether it is hidden.
 //
 //    the cut of the last frame --> in the frustum?
 //                                    visible then --> drawn()       drawn at once, near to far
 //                                    hidden, new  --> candidates()  to be tested
 //                                    outside      --> kept
-//    every entry comes back by keep_hidden(), keep_visible() or keep_outside(), itself or as its
-//    parts; finish() makes them the cut of the next frame, and quiet siblings their parent.
+//    Every entry, or each of its parts, returns by keep_hidden(), keep_visible() or keep_outside().
+//    finish() makes the cut of the next frame from them, and merges siblings none of which is
+//    visible.
 //
-// Guarantees  If all that is not drawn came to keep_hidden() or keep_outside(), the frame is exact.
-//             What was visible and left the frustum comes back as a candidate (rule R8).
-// Cost        O(entries of the cut) a frame, which follows the visible boundary. Nothing is kept
-//             for each node of the tree.
+// Guarantees  The frame is exact if every entry that is not drawn went to keep_hidden() or
+//             keep_outside(). A node that was visible and left the frustum is a candidate when it
+//             comes back (rule R8).
+// Cost        O(entries of the cut) per frame, which follows the visible boundary. There is no
+// state
+//             per node of the tree.
 #pragma once
 
 #include <occlude/core/rng.h>
@@ -50,41 +53,44 @@ public:
 
     /// Forgets the cut.
     void clear() { cut_.clear(); }
-    /// ... and what tests have found over frames.
+    /// Forgets the cut, and the share of hidden answers over frames.
     void forget();
-    /// The cut becomes one unknown entry, the root.
+    /// Makes the cut one unknown entry, the root.
     void restart() { cut_.reset(hierarchy_); }
 
-    /// Holds until the next call.
+    /// Sets the prices from now on.
     void set_prices(const CutPrices& prices) { prices_ = prices; }
 
     // --- one frame, in order ---
 
-    /// Also after a frame that ended half-way, because the engine's draw callback threw: the cut is
-    /// then that of the frame before.
+    /// Starts a frame. If the last frame ended half-way, because the engine's draw callback threw,
+    /// the cut is that of the frame before it.
     void start_frame();
 
-    /// Parts the cut into what is outside, what was visible, and the rest. `turned_hidden` names
-    /// entries (by name_of(), ascending) that were visible and have turned out hidden since.
+    /// Sorts the cut into entries that are outside, were visible, or must be tested.
+    /// `turned_hidden` names entries (by name_of(), ascending) that were visible and were found
+    /// hidden since.
     void sort_out(CullFrame& frame, std::span<const uint64_t> turned_hidden = {});
 
-    /// Draws what was visible, near to far.
+    /// Draws the entries that were visible in the last frame, near to far.
     void draw_visible(CullFrame& frame);
 
-    /// From here on everything is drawn already: tests are for the next frame and decide nothing.
+    /// Declares that everything is drawn: from here on, tests are for the next frame and decide
+    /// nothing.
     void assume_all_drawn() { all_drawn_ = true; }
 
-    /// Ends the frame: the entries that were kept become the cut. One in `kNodesPerTrial` of the
-    /// nodes below which nothing is visible, by a hash of `seed`, becomes one entry again if it is
+    /// Ends the frame: the kept entries become the cut. One in `kNodesPerTrial` of the nodes below
+    /// which nothing is visible, chosen by a hash of `seed`, is merged into one entry if it is
     /// outside the frustum or `hides(node)`.
     template <class Hides>
     void finish(CullFrame& frame, uint64_t seed, Hides&& hides);
-    /// ... and no node becomes one entry again.
+    /// Ends the frame without merging.
     void finish_without_merging();
 
-    /// Drawn in this frame, or to be kept visible: what was visible, then what was revealed.
+    /// Entries that are drawn in this frame or stay visible: first those visible before, then
+    /// revealed.
     std::vector<CutCandidate>& drawn() { return drawn_; }
-    /// Hidden or unknown, in the frustum.
+    /// Entries in the frustum that are hidden or unknown, and so must be tested.
     std::vector<CutCandidate>& candidates() { return candidates_; }
 
     // --- entries ---
@@ -98,15 +104,15 @@ public:
     {
         return entry.is_item() ? 1 : hierarchy_.node(entry.node).subtree_items;
     }
-    /// The work of drawing it, in units.
+    /// The work of drawing the entry, in units.
     double units_of(const Entry& entry) const;
     double draw_us(const Entry& entry) const { return prices_.us_per_unit * units_of(entry); }
-    /// The cost of drawing what is queued.
+    /// The cost of drawing the queued items.
     double queued_us(const CullFrame& frame) const
     {
         return prices_.us_per_unit * units(frame.queued_triangles(), frame.queued_items());
     }
-    /// False for what has no parts, or is drawn whole.
+    /// False if the entry has no parts, or if it is cheaper to draw it whole.
     bool opens(const Entry& entry) const;
     static uint64_t name_of(const Entry& entry)
     {
@@ -114,29 +120,29 @@ public:
     }
 
     bool visit(CullFrame& frame, CutCandidate& candidate) const;
-    /// Queues it for drawing, unless everything is drawn already.
+    /// Queues the entry for drawing, unless everything is drawn already.
     void draw(CullFrame& frame, const CutCandidate& candidate, Decision decision) const;
-    /// Adds what an opened node consists of: its own items and its children, the farthest first.
+    /// Adds the parts of an opened node, its own items and its children, the farthest first.
     void add_parts(const CullFrame& frame, const CutCandidate& candidate,
                    std::vector<CutCandidate>& out);
 
-    /// A test of this frame found it hidden before it was drawn.
+    /// Keeps an entry that a test of this frame found hidden before it was drawn.
     void keep_hidden(CullFrame& frame, Entry entry, Decision decision);
-    /// ... or afterwards: it was drawn, and the next frame will test it first.
+    /// Keeps an entry that was drawn and then found hidden: the next frame tests it first.
     void keep_drawn_in_vain(const CullFrame& frame, Entry entry);
     void keep_visible(Entry entry) { keep(entry, State::visible); }
     void keep_outside(Entry entry) { keep(entry, State::outside); }
-    /// Nothing is known of it.
+    /// Keeps an entry of which nothing is known.
     void keep_unknown(Entry entry);
 
     // --- what the tests of this frame found ---
 
-    /// The work that was not drawn, because tests of this frame found it hidden.
+    /// The work that was not drawn because tests of this frame found it hidden.
     double hidden_units() const { return hidden_units_; }
-    /// The work that was drawn although it is hidden.
+    /// The work that was drawn and then found hidden.
     double wasted_units() const { return wasted_units_; }
 
-    /// The share of hidden answers, of what was tested for the first time. Over frames.
+    /// The share of hidden answers among first tests of an entry, averaged over frames.
     ShareEstimate hidden_share;
 
 private:
@@ -145,8 +151,8 @@ private:
         return static_cast<double>(triangles) + prices_.units_per_item * static_cast<double>(items);
     }
     void keep(Entry& entry, State state);
-    /// Merging costs a test of the node unless all of it is outside; hence few are tried in a
-    /// frame.
+    /// True if the merge is tried: it costs a test of the node unless all of it is outside, so that
+    /// each frame tries only a few.
     static bool is_tried(uint64_t turn, NodeId node, State state);
 
     struct Part {

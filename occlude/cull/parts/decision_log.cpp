@@ -34,7 +34,7 @@ uint64_t walk_hash(uint64_t walk_so_far, uint64_t next_frame)
     return hash64(walk_so_far, next_frame);
 }
 
-// The items that an entry speaks for.
+// The items that an entry stands for.
 static std::span<const ItemId> items_of(const Hierarchy& hierarchy, const DecisionLog::Entry& entry)
 {
     switch (entry.scope) {

@@ -8,14 +8,14 @@
 
 namespace occlude {
 
-// A tile is a texel of the level from which the pyramid then starts.
+// A tile is a texel of the pyramid's first level.
 bool DepthTests::read_pixels_or_tiles(CullFrame& frame)
 {
     const glm::ivec2 size = frame.view().size_px();
     if (tile_px_ > 1 && frame.caps().find_depth_read(tile_px_) != nullptr) {
         const int level = std::countr_zero(static_cast<uint32_t>(tile_px_));
         const std::span<float> tiles = pyramid_.resize(size, level);
-        // A tile may be larger than the target, and there is no level of such texels.
+        // A tile may be larger than the target, which then has no level of such texels.
         if (tiles.size() == pixel_count(tiles_in(size, tile_px_)) &&
             frame.read_depth_tiles(tile_px_, tiles)) {
             return true;
@@ -60,8 +60,8 @@ bool DepthTests::refined_hides(const Aabb& box, const ScreenBounds& bounds,
                           : pyramid_.hides(bounds.rect, bounds.near_depth);
 }
 
-// Beyond this condition (an upper bound, of Frobenius norms) the planes of an object's boxes would
-// be a matter of rounding.
+// If a map's condition number (an upper bound by Frobenius norms) is larger, rounding would
+// dominate the planes of an object's boxes.
 static constexpr float kWorstCondition = 1000.0f;
 
 bool DepthTests::hides(const View& view, const ItemShapes::Placed& placed,
@@ -70,7 +70,8 @@ bool DepthTests::hides(const View& view, const ItemShapes::Placed& placed,
     const glm::mat4& map = placed.world_from_shape;
     const float shrink = inverse_stretch(map);
     const float condition = stretch(map) * shrink;
-    if (!known_ || !(condition > 0.0f && condition < kWorstCondition)) { // neither for NaN
+    // also false for NaN
+    if (!known_ || !(condition > 0.0f && condition < kWorstCondition)) {
         return false;
     }
     const Inflation inflation = view.inflation().in(map, shrink);

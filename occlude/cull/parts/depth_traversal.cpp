@@ -39,7 +39,7 @@ bool DepthTraversal::has_shapes() const
     return use_shapes_ && shapes != nullptr && !shapes->empty();
 }
 
-// Of an item, or of the only one of a node. Null if there is none, or nobody asks for it.
+// The shape of an item, or of the only item of a node. Null if there is none or shapes are off.
 const ItemShapes::Placed* DepthTraversal::shape_of(const Entry& entry) const
 {
     if (!has_shapes() || cut_.items_of(entry) != 1) {
@@ -51,14 +51,14 @@ const ItemShapes::Placed* DepthTraversal::shape_of(const Entry& entry) const
     return hierarchy.shapes()->find(hierarchy.item(place));
 }
 
-// Shapes are tested one by one and are few, so that each can be timed.
+// Tests of shapes are few and far apart, so that each one can be timed.
 bool DepthTraversal::shape_hidden(const CullFrame& frame, const Entry& entry,
                                   const ItemShapes::Placed* shape)
 {
     // Clamps a timing to this multiple of the running average: a longer one means that the thread
     // was preempted.
     constexpr double kOutlierRatio = 16.0;
-    constexpr double kStep = 1.0 / 64.0; // the part of the average that one timing replaces
+    constexpr double kStep = 1.0 / 64.0; // weight of one timing in the running average
 
     if (shape == nullptr || !depth_.known() ||
         !(shape_hidden_share_.value() * cut_.draw_us(entry) > shape_us_)) {
@@ -92,7 +92,7 @@ bool DepthTraversal::node_hidden(const CullFrame& frame, NodeId node)
 
 // --- many at once --------------------------------------------------------------------------------
 
-// Adds those candidates that `tests` does not have yet.
+// Prepares the candidates that `tests` does not hold yet.
 void DepthTraversal::prepare(const CullFrame& frame, std::span<const CutCandidate> candidates,
                              Tests& tests) const
 {
@@ -161,8 +161,8 @@ void DepthTraversal::test_candidates(CullFrame& frame)
 
 // --- near to far ---------------------------------------------------------------------------------
 
-// Takes the nearest candidate or part that is in the frustum. Candidates are known to be inside;
-// parts of opened nodes may be outside.
+// Takes the nearest candidate or part in the frustum. Candidates are known to be inside; parts of
+// opened nodes may be outside.
 bool DepthTraversal::next_to_reveal(CullFrame& frame)
 {
     while (!to_reveal_.stack.empty()) {
@@ -181,7 +181,7 @@ bool DepthTraversal::next_to_reveal(CullFrame& frame)
     return false;
 }
 
-// Draws a candidate, or puts its parts on the stack.
+// Draws a candidate, or pushes its parts.
 void DepthTraversal::open(CullFrame& frame, const CutCandidate& candidate, bool tested)
 {
     if (cut_.opens(candidate.entry)) {
@@ -223,7 +223,7 @@ void DepthTraversal::retest(CullFrame& frame)
 {
     std::vector<CutCandidate>& drawn = cut_.drawn();
     const std::span tested = std::span{drawn}.first(drawn_before_read_);
-    if (!tested.empty()) { // depth was read
+    if (!tested.empty()) { // depth was read since the last call
         prepare(frame, tested, drawn_tests_);
         test(frame, tested, drawn_tests_);
     }

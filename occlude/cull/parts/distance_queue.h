@@ -17,7 +17,7 @@ public:
     struct Entry {
         float distance; ///< View::distance_key of the node's box
         NodeId node;
-        PlaneMask mask; ///< the frustum planes still to be tested
+        PlaneMask mask; ///< frustum planes that it must still be tested against
     };
 
     bool empty() const { return heap_.empty(); }
@@ -38,7 +38,8 @@ public:
         }
     }
 
-    /// The nearest node; of equally near ones that with the smallest id, so that order is
+    /// The nearest node. Of equally near nodes it is the one with the smallest id, so that runs
+    /// repeat.
     /// repeatable.
     Entry pop()
     {

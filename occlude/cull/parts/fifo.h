@@ -1,4 +1,5 @@
-// A first-in first-out queue over one vector: no allocation once it has grown, unlike std::queue.
+// A first-in first-out queue over one vector. Unlike std::queue, it allocates nothing once it has
+// grown.
 #pragma once
 
 #include <occlude/core/assert.h>

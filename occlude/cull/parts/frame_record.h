@@ -1,5 +1,6 @@
-// The results of one frame of a culler: the items it drew and why. A CullFrame fills it; the
-// culler keeps it between frames, so that a frame allocates nothing once its vectors have grown.
+// The results of one frame of a culler: the drawn items and the decisions. A CullFrame fills it.
+// The culler keeps it between frames, so that a frame allocates nothing once the vectors have
+// grown.
 #pragma once
 
 #include <occlude/core/ids.h>
@@ -17,9 +18,9 @@ struct FrameRecord {
     std::vector<TranslucentItem> translucent_items; ///< drawn last, back to front
     std::vector<ItemPosition> late_items;           ///< never_occlude items
     DecisionLog decisions;
-    TicketLedger tickets; ///< outlasts frames
+    TicketLedger tickets; ///< kept over frames
 
-    /// Forgets the last frame, but not its tickets.
+    /// Forgets the last frame, but keeps its tickets.
     void clear()
     {
         drawn_items.clear();

@@ -8,10 +8,10 @@
 
 namespace occlude {
 
-/// Keeps its memory from frame to frame.
+/// Walks trees; an object keeps its memory from frame to frame.
 class FrustumWalk {
 public:
-    /// Queues all that is in the frustum. Precondition: the tree is not empty.
+    /// Queues everything in the frustum. Precondition: the tree is not empty.
     void draw_all(CullFrame& frame);
 
 private:

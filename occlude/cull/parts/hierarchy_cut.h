@@ -44,26 +44,25 @@ public:
     /// The entries that the last frame left, in no particular order.
     std::span<const Entry> entries() const { return entries_; }
 
-    /// Adds an entry of the cut that this frame leaves. Together they must cover the tree again.
+    /// Adds an entry to the next cut. All added entries together must cover the tree.
     void keep(const Entry& entry) { next_.push_back(entry); }
 
-    /// Forgets the entries that were kept since the last finish().
+    /// Forgets the entries added since the last finish().
     void drop_kept() { next_.clear(); }
 
     /// Ends a frame: the kept entries become the cut. An opened node below which all entries are
-    /// hidden or outside may become one entry again. It is tried if `chosen(node, state)` is true
-    /// for the states of all of them, and `replacement` takes their place if
-    /// `merged(node, all_outside, replacement)` is true. One level per frame; O(entries log
-    /// entries).
+    /// hidden or outside may be merged into one entry. The merge is tried if `chosen(node, state)`
+    /// is true for the states of all of them, and `replacement` takes their place if `merged(node,
+    /// all_outside, replacement)` is true. Merges one level per frame. O(entries log entries).
     template <class Chosen, class Merged>
     void finish(const Hierarchy& hierarchy, Chosen&& chosen, Merged&& merged);
 
     /// For loops over entries: prefetches the node or item of an entry a few places after `i`. In
-    /// large scenes they come from memory, and many can be on their way at once.
+    /// large scenes they are not in the cache, and many prefetches can be under way at once.
     static void fetch_ahead(const Hierarchy& hierarchy, std::span<const Entry> entries, size_t i);
 
 private:
-    /// A hidden or outside entry whose siblings may be so, too.
+    /// An entry that is hidden or outside; its siblings may be so, too.
     struct Quiet {
         NodeId parent;
         Entry entry;

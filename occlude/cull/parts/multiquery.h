@@ -1,5 +1,5 @@
-// Multiqueries: one test for several nodes that are likely to stay hidden together, and what
-// follows when one of them is visible after all.
+// Multiqueries: one test for several nodes that will probably stay hidden together. If one of them
+// is visible after all, the test is split.
 //
 // Implements  ShaderX7 8.4, "Multiqueries".
 // Map         GetNextMultiQuery -> add_groups (its value: chc_plus_plus_math.h)
@@ -40,41 +40,41 @@ public:
         bool spans_nodes = false; ///< a multiquery, as the counters mean it: boxes of several nodes
     };
 
-    /// A failed group of more than `most_singly` nodes is split into halves, a smaller one into its
-    /// nodes.
+    /// A failed group of more than `most_singly` nodes is split into halves, a smaller one into
+    /// single nodes.
     explicit MultiqueryBatcher(size_t most_singly = kNeverHalved)
         : most_singly_(most_singly)
     {
     }
 
-    /// The same from now on.
+    /// Changes `most_singly` from now on.
     void set_most_singly(size_t most_singly) { most_singly_ = most_singly; }
 
-    /// Forgets all tests; before each frame.
+    /// Forgets all tests; called before each frame.
     void clear();
     /// True if no test was added since the last submit().
     bool empty() const { return batch_.empty(); }
-    /// The tests added since the last submit(), and their boxes.
+    /// The number of tests added since the last submit(), and of their boxes.
     size_t test_count() const { return batch_.test_count(); }
     size_t box_count() const { return batch_.boxes().size(); }
 
-    /// Adds one test. add_boxes(member, batch) adds the boxes of one member, at least one.
+    /// Adds one test. add_boxes(member, batch) adds the boxes of one member, at least one box.
     template <class AddBoxes>
     Test add_test(std::span<const Member> members, AddBoxes&& add_boxes);
 
-    /// Adds a test of members that were in one before: what split() named.
+    /// Adds a part that split() named: a test of members that were in a test before.
     template <class AddBoxes>
     Test add_part(const Test& part, AddBoxes&& add_boxes);
 
-    /// Sorts `candidates` by falling p_keep, and adds a test for one group of them after the other,
-    /// greedily, but at most `most_tests`. Returns how many candidates have a test now: the first
-    /// ones. added(test) is told of each.
+    /// Sorts `candidates` by descending p_keep, and greedily adds at most `most_tests` tests for
+    /// groups of them. Returns how many candidates have a test now; these are the first ones. Calls
+    /// added(test) for each test.
     template <class AddBoxes, class Added>
     size_t add_groups(std::span<Candidate> candidates, size_t most_tests, AddBoxes&& add_boxes,
                       Added&& added);
 
-    /// Issues the tests added since the last call as one batch, and returns them in their order
-    /// with their tickets; valid until the next call.
+    /// Issues the tests added since the last call as one batch. Returns them in their order, with
+    /// their tickets; valid until the next call.
     std::span<const Test> submit(CullFrame& frame, TestMethod method = TestMethod::automatic);
 
     std::span<const Member> members(const Test& test) const
@@ -82,8 +82,8 @@ public:
         return std::span{members_}.subspan(test.first, test.count);
     }
 
-    /// Something in a group is visible, which says nothing of its nodes: calls each(part) for the
-    /// tests that must follow. Precondition: it has more than one member.
+    /// Splits a failed test: something in the group is visible, but it is unknown which node. Calls
+    /// each(part) for the tests that must follow. Precondition: the test has more than one member.
     template <class Each>
     void split(CullFrame& frame, const Test& failed, Each&& each);
 
@@ -91,12 +91,12 @@ private:
     void sort_by_falling_keep(std::span<Candidate> candidates);
 
     size_t most_singly_;
-    std::vector<Member> members_; ///< of all tests of this frame, test by test
+    std::vector<Member> members_; ///< the members of all tests of this frame, test by test
     TestBatch batch_;
     std::vector<Test> added_;  ///< the tests of `batch_`
-    std::vector<Test> issued_; ///< those of the last submit()
+    std::vector<Test> issued_; ///< tests of the last submit()
     std::vector<Ticket> tickets_;
-    std::vector<double> keep_;  ///< of the sorted candidates
+    std::vector<double> keep_;  ///< probabilities of the sorted candidates
     std::vector<Member> group_; ///< scratch
 };
 

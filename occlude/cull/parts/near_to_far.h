@@ -12,7 +12,7 @@
 namespace occlude {
 
 /// Calls push(child) for the children of `node` from the farthest to the nearest, so that a stack
-/// gives them back near to far. `scratch` is kept by the caller to avoid allocation.
+/// pops them near to far. The caller keeps `scratch`, to avoid allocations.
 template <class Push>
 void push_far_to_near(const Hierarchy& hierarchy, const View& view, NodeId node,
                       std::vector<std::pair<float, NodeId>>& scratch, Push&& push)

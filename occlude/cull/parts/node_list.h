@@ -1,5 +1,5 @@
-// An ordered list of the nodes that are still to be decided: nodes leave their place to their
-// children. Doubly linked over one vector, so that positions stay good while others come and go.
+// An ordered list of nodes that are still to be decided, in which the children of a node take its
+// place. Doubly linked over one vector, so that positions stay valid while others come and go.
 #pragma once
 
 #include <occlude/core/assert.h>
@@ -24,7 +24,7 @@ public:
     };
 
     /// Empties the list; keeps its memory.
-    void clear() { entries_.assign(1, Entry{}); } // the end is an entry, so that it has a place too
+    void clear() { entries_.assign(1, Entry{}); } // the end is an entry, so that it has a position
 
     bool empty() const { return begin() == end(); }
     Position begin() const { return entries_.front().next; }
@@ -47,7 +47,7 @@ public:
         return here;
     }
 
-    /// Takes an entry out and returns the position after it. The memory is free again at clear().
+    /// Takes an entry out and returns the position after it. Its memory is reused after clear().
     Position erase(Position at)
     {
         OCCLUDE_ASSERT(at != end() && at < entries_.size(), "the end is no entry to be erased");

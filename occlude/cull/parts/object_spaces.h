@@ -1,5 +1,5 @@
-// The boxes of a two-level tree as tests see them: in the space of their object where that is
-// tighter than a box in the world. One place projects and inflates them (rule R2).
+// The boxes of a two-level tree as tests see them: in the space of their object if that is tighter
+// than a box in the world. Only this class projects and inflates them (rule R2).
 #pragma once
 
 #include <occlude/core/view.h>
@@ -10,7 +10,7 @@
 
 namespace occlude {
 
-/// A box to test, in the space of `world_from_box`, or of the world if that is null.
+/// A box to test, in the space of `world_from_box`; in the world if that is null.
 struct SpacedBox {
     Aabb box;
     const glm::mat4* world_from_box = nullptr;
@@ -18,18 +18,18 @@ struct SpacedBox {
 
 class ObjectSpaces {
 public:
-    /// Forgets the spaces of the last frame. On a tree that is not two-level there are none.
+    /// Forgets the spaces of the last frame. A tree that is not two-level has none.
     void start_frame(const Hierarchy& hierarchy);
 
-    /// The box of a node as a test gets it: inflated, in the space of its object if that is turned
-    /// and its map has an inverse. Valid while the tree is.
+    /// The inflated box of a node, in the space of its object if that is rotated and its map has an
+    /// inverse. Valid as long as the tree.
     SpacedBox test_box(const View& view, const Hierarchy& hierarchy, NodeId node);
 
-    /// Where the node's box is on the screen, not inflated.
+    /// The node's box on the screen, not inflated.
     ScreenBounds project(const View& view, const Hierarchy& hierarchy, NodeId node);
 
 private:
-    /// Made once a frame, when the first node of the object is looked at.
+    /// The space of one object, computed when a frame first reaches one of its nodes.
     struct Space {
         bool known = false;
         bool usable = false; ///< the map has an inverse

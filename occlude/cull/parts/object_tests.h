@@ -1,8 +1,8 @@
-// The common parts of the two methods of GPU Gems ch. 29: the objects in the frustum near to far,
-// whether one is worth a test, and the boxes of its test.
+// The common parts of the two methods of GPU Gems ch. 29: they collect the objects in the frustum
+// near to far, choose the objects that are worth a test, and make the boxes of each test.
 //
 // An *object* is a leaf of the hierarchy, virtual leaves included. Items in inner nodes (of trees
-// that have them) belong to no object: they are drawn untested.
+// that have them) belong to no object and are drawn untested.
 #pragma once
 
 #include <occlude/cull/parts/cull_frame.h>
@@ -14,30 +14,30 @@
 
 namespace occlude {
 
-/// Which objects are tested, and with which boxes. All others are drawn.
+/// Which objects are tested, and by which boxes. All others are drawn untested.
 struct ObjectTestOptions {
-    /// 29.6.2: objects nearer to the eye than this, in world units, are not tested. Whatever this
-    /// is, a box that the near plane may touch is never tested (rule R1).
+    /// 29.6.2: objects nearer to the eye than this, in world units, are not tested. A box that the
+    /// near plane may touch is never tested, whatever this is (rule R1).
     float skip_nearer_than = 0.0f;
-    /// 29.6.1: objects of fewer triangles are not tested; the chapter puts a box at the price of
+    /// 29.6.1: objects with fewer triangles are not tested. By the chapter, a box costs as much as
     /// some 200 triangles.
     uint32_t skip_triangles_below = 0;
     /// 29.6.2: objects whose box covers more than this share of the screen are not tested ...
     float skip_larger_than = 1.0f;
     /// ... if the target has at least this many pixels.
     uint32_t high_resolution = 0;
-    /// 29.5.1: levels below an object from which its sub-boxes are taken. 0: one box.
+    /// 29.5.1: how many levels below an object its sub-boxes are taken from. 0: one box.
     uint32_t sub_box_depth = 3;
-    /// The sub-boxes' area is at most this many times the object's box's.
+    /// The area of the sub-boxes is at most this many times the area of the object's box.
     float sub_box_area = 1.4f;
-    /// 29.6.4: the walk holds the ball around a node's box against the frustum first, and asks the
-    /// box only if the ball intersects and the largest extent is more than this many times the
-    /// second. 0: boxes alone. Errs toward more nodes: images do not change.
+    /// 29.6.4: the frustum is tested against the ball around a node's box first. The box is tested
+    /// only if the ball intersects the frustum and the largest extent is more than this many times
+    /// the second. 0: boxes alone. Errs toward more nodes: images do not change.
     float sphere_elongation = 0.0f;
 };
 
-/// The share of the screen that the box's rectangle on it covers: 0 for a box beside the screen, 1
-/// if part of the box is not before the eye or it is not bounded.
+/// The share of the screen that the box's rectangle covers: 0 for a box outside the screen, 1 if
+/// part of the box is behind the eye or the box is not bounded.
 float screen_share(const View& view, const Aabb& box);
 
 class ObjectTests {
@@ -53,14 +53,15 @@ public:
     {
     }
 
-    /// The objects in the frustum, near to far; valid until the next call. Visits the tree and
-    /// queues the items of inner nodes.
+    /// Visits the tree and returns the objects in the frustum, near to far; valid until the next
+    /// call. Queues the items of inner nodes.
     std::span<const Object> collect_near_to_far(CullFrame& frame);
 
-    /// False if one of the options says that the object is drawn rather than tested.
+    /// False if one of the options says that the object is drawn untested.
     bool worth_testing(const CullFrame& frame, NodeId node) const;
 
-    /// Adds one test of the object to the batch. Precondition: it is not near (rule R1).
+    /// Adds one test of the object to the batch. Precondition: the near plane does not touch it
+    /// (R1).
     void add_test(const CullFrame& frame, NodeId node, TestBatch& batch);
 
 private:
@@ -80,18 +81,20 @@ private:
 template <class Visit>
 void visit_options(ObjectTestOptions& o, Visit&& visit)
 {
-    visit("skip_nearer_than", o.skip_nearer_than, {}, "objects nearer than this are not tested");
+    visit("skip_nearer_than", o.skip_nearer_than, {},
+          "objects nearer than this, in world units, are not tested");
     visit("skip_triangles_below", o.skip_triangles_below, {},
-          "objects of fewer triangles are not tested");
+          "objects with fewer triangles are not tested");
     visit("skip_larger_than", o.skip_larger_than, {},
-          "objects of more than this share of the screen are not tested ...");
+          "objects that cover more than this share of the screen are not tested ...");
     visit("high_resolution", o.high_resolution, {},
           "... if the target has at least this many pixels");
-    visit("sub_box_depth", o.sub_box_depth, {0, 32}, "levels of an object's sub-boxes; 0: one box");
+    visit("sub_box_depth", o.sub_box_depth, {0, 32},
+          "levels below an object that its sub-boxes come from; 0: one box");
     visit("sub_box_area", o.sub_box_area, {0.0f, 1000.0f},
-          "their area over the area of the object's box");
+          "largest area of the sub-boxes, in areas of the object's box");
     visit("sphere_elongation", o.sphere_elongation, {},
-          "frustum tests by balls first, by boxes if longer than this; 0: boxes alone");
+          "frustum tests by balls first, then by boxes longer than this; 0: by boxes alone");
 }
 
 } // namespace occlude

@@ -91,7 +91,8 @@ void OcclusionGrid::mark_drawn(const PixelRect& rect)
 void OcclusionGrid::update(glm::ivec2 at, float zfar)
 {
     Cell& c = cell(at);
-    c.zfar = std::min(c.zfar, zfar); // a device that errs toward far must not undo what was known
+    c.zfar = std::min(c.zfar, zfar); // Answers of a device that errs toward far must not raise a
+                                     // known bound.
     c.known_free = c.zfar;
 }
 
@@ -109,7 +110,7 @@ void OcclusionGrid::learn_free(glm::ivec2 at, float depth)
 
 float farthest_depth(const float* depths, size_t width, size_t height, size_t stride)
 {
-    // Lanes, because compilers do not reorder a maximum of floats by themselves.
+    // Several lanes, because compilers do not reorder a maximum of floats.
     constexpr size_t kLanes = 8;
     std::array<float, kLanes> lanes{};
     for (size_t y = 0; y < height; ++y) {
@@ -129,7 +130,7 @@ float farthest_depth(const float* depths, size_t width, size_t height, size_t st
 
 bool hides(const float* depths, size_t stride, const PixelRect& part, const ScreenBox& box)
 {
-    constexpr int kBlock = 8; // pixels; one of them mostly decides for all of its own
+    constexpr int kBlock = 8; // Pixels per block: mostly one of them decides for the whole block.
     const auto at = [&](int x, int y) {
         return depths + static_cast<size_t>(y) * stride + static_cast<size_t>(x);
     };

@@ -1,20 +1,20 @@
-// The grid of the lazy occlusion grid: the knowledge of the pixels in each cell of the screen.
+// The grid of the lazy occlusion grid: what is known of the pixels in each cell of the screen.
 //
-// Pure memory: it neither draws nor reads. LazyGrid (lazy_grid.h) asks it; where it does not know,
-// CellPixels (cell_pixels.h) looks at pixels and tells it what it saw.
+// It neither draws nor reads. LazyGrid (lazy_grid.h) queries it; if it does not know, CellPixels
+// (cell_pixels.h) looks at pixels and stores the result here.
 //
 // A cell stores zfar, an upper bound of the depth of its pixels. Drawing only lowers depths, so a
 // box that is farther than zfar stays hidden in this cell for the rest of the frame. A cell also
-// stores known_free, a depth that some pixel is known to reach; drawing makes it unknown. The
-// states of the paper are
+// stores known_free, a depth that some pixel is known to reach. Drawing makes it unknown. The
+// states of the paper are:
 //
 //   completely free   untouched: nothing was drawn into it
 //   outdated          drawn into since its pixels were looked at: known_free is kUnknown
 //   partially free    looked at, with a pixel of depth 1 (zmax) left: zfar is 1
 //   full              looked at, with none: zfar < 1; it stays so
 //
-// so that the occlusion-buffer variant is the z-buffer variant asked about depth 1 instead of the
-// box's own nearest depth.
+// So the occlusion-buffer variant is the z-buffer variant with depth 1 instead of the box's own
+// nearest depth.
 #pragma once
 
 #include <occlude/core/assert.h>
@@ -50,13 +50,14 @@ public:
     struct Cell {
         float zfar = kFarthest;
         float known_free = kFarthest; ///< some pixel is at least this far; kUnknown: outdated
-        float covered = 0.0f;         ///< summed areas drawn into it, in shares of its own area
+        float covered = 0.0f;         ///< the summed area of rectangles drawn into it, relative to
+                                      ///< its own area
         bool untouched = true;
-        bool copied = false; ///< its pixels were read back since they were last drawn into
+        bool copied = false; ///< its pixels were read back since the last draw into it
     };
 
-    /// Starts a frame: all cells free. `cell_size` >= 1, in pixels; cells at the right and upper
-    /// edge of the target are cut off by it. Allocates only when the grid grows.
+    /// Starts a frame: all cells are free. `cell_size` >= 1, in pixels. The right and upper edge of
+    /// the target cut cells off. Allocates only when the grid grows.
     void reset(glm::ivec2 size_px, int cell_size);
 
     glm::ivec2 size_in_cells() const { return cells_in_; }
@@ -67,19 +68,19 @@ public:
     PixelRect pixels(glm::ivec2 cell) const;
     /// The cells that share a pixel with `rect`, which lies in the target.
     CellRange touched(const PixelRect& rect) const;
-    /// The cells whose pixels all lie in `rect`: the internal cells; those touched besides are the
-    /// border cells.
+    /// The internal cells: all their pixels lie in `rect`. The other touched cells are border
+    /// cells.
     CellRange internal(const PixelRect& rect) const;
 
-    /// Something with these screen bounds is drawn: the cells that it touches become outdated.
-    /// Precondition: `rect` lies in the target.
+    /// Records a draw with these screen bounds: the touched cells become outdated. Precondition:
+    /// the rectangle lies in the target.
     void mark_drawn(const PixelRect& rect);
 
-    /// The farthest of all pixels of the cell was found to be `zfar`.
+    /// Records that the farthest of all pixels of the cell is at `zfar`.
     void update(glm::ivec2 cell, float zfar);
-    /// All pixels of the cell were found to be nearer than `depth`.
+    /// Records that all pixels of the cell are nearer than `depth`.
     void learn_hidden(glm::ivec2 cell, float depth);
-    /// Some pixel of the cell was found to be at `depth` or farther.
+    /// Records that some pixel of the cell is at `depth` or farther.
     void learn_free(glm::ivec2 cell, float depth);
 
 private:
@@ -101,8 +102,8 @@ private:
 /// times faster than std::max_element.
 float farthest_depth(const float* depths, size_t width, size_t height, size_t stride);
 
-/// True only if every sample of anything in `box` that lies in `part` is farther than its pixel
-/// there. `depths` is that of the first pixel of `part`; `stride` floats lie between rows.
+/// True only if every sample of anything in `box` that lies in `part` is farther than its pixel.
+/// `depths` begins with the first pixel of `part`; `stride` floats lie between rows.
 bool hides(const float* depths, size_t stride, const PixelRect& part, const ScreenBox& box);
 
 } // namespace occlude

@@ -3,16 +3,15 @@
 
 namespace occlude {
 
-/// Follows the share of tests that found something hidden. Starts at one half, never falls below
-/// `kMinShare`: something that is never tried again could never be found to pay again.
+/// The running share of tests that found something hidden. Starts at one half and never falls below
+/// `kMinShare`: if it reached 0, nothing would be tested and the share could never rise again.
 class ShareEstimate {
 public:
     double value() const { return share_; }
     void note(bool hidden) { share_ += kStep * ((hidden ? 1.0 : kMinShare) - share_); }
 
 private:
-    static constexpr double kStep =
-        1.0 / 64.0; ///< the part of the estimate that one answer replaces
+    static constexpr double kStep = 1.0 / 64.0; ///< weight of one answer
     static constexpr double kMinShare = 0.02;
 
     double share_ = 0.5;

@@ -8,7 +8,7 @@
 
 namespace occlude {
 
-// Without an eye, the view begins at the cell that lies farthest against its direction.
+// Without an eye, the front begins at the cell farthest against the view direction.
 static glm::uvec3 first_cell(const Lattice& lattice, const View& view)
 {
     if (!view.orthographic()) {
@@ -47,7 +47,7 @@ bool SolidityFront::comes_later(const Entry& a, const Entry& b)
 void SolidityFront::push(const Entry& entry)
 {
     if (entry.solidity >= solidity_[entry.index]) {
-        return; // a way through less matter is known
+        return; // a path through less matter is known
     }
     solidity_[entry.index] = entry.solidity;
     heap_.push_back(entry);
@@ -62,7 +62,7 @@ std::optional<SolidityFront::Entry> SolidityFront::pop()
         heap_.pop_back();
         if (entry.solidity <= solidity_[entry.index]) {
             return entry;
-        } // else it came to the front again, by a better way
+        } // Otherwise the cell came to the front again, by a better path.
     }
     return std::nullopt;
 }
@@ -77,7 +77,7 @@ void SolidityFront::spread(const CellGrid& grid, const Entry& from)
             : static_cast<double>(grid.cells()[occupied].triangles) / static_cast<double>(fullest_);
     const glm::uvec3 at = lattice.at(from.index);
     for (int axis = 0; axis < 3; ++axis) {
-        for (const uint32_t step : {~0u, 1u}) { // back, forth
+        for (const uint32_t step : {~0u, 1u}) { // backward, forward
             glm::uvec3 next = at;
             next[axis] += step;
             if (next[axis] < lattice.count[axis]) {

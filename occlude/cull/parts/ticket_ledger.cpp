@@ -22,7 +22,7 @@ void TicketLedger::abandon(Ticket ticket)
 {
     settle();
     const auto found = std::find(issued_.begin(), issued_.end(), ticket);
-    if (found != issued_.end()) { // else it is spent already
+    if (found != issued_.end()) { // otherwise it is spent already
         issued_.erase(found);
         abandoned_.push_back(ticket);
     }

@@ -1,8 +1,8 @@
-// Which tickets a culler has not spent yet, so that none is lost: an unspent ticket counts against
-// DeviceCaps::max_outstanding for ever, for every culler on that device (contract C11).
+// The tickets that a culler has not spent yet, so that none is lost. An unspent ticket counts
+// against DeviceCaps::max_outstanding for ever, for every culler on that device (contract C11).
 //
-// A culler that drops a test, by a reset, a new tree or a draw callback that throws, abandons its
-// ticket. The ledger asks for abandoned tickets at the start of the next frames until they are
+// A culler that drops a test (after a reset, a new tree or a draw callback that throws) abandons
+// its ticket. At the start of each frame, the ledger polls the abandoned tickets until they are
 // answered, and ignores the answers.
 #pragma once
 
@@ -20,19 +20,19 @@ public:
         issued_.insert(issued_.end(), tickets.begin(), tickets.end());
     }
     void issued(Ticket ticket) { issued_.push_back(ticket); }
-    /// The device answered: the ticket is spent.
+    /// Records that the device answered: the ticket is spent.
     void answered(Ticket ticket) { answered_.push_back(ticket); }
 
-    /// Nobody will ask for this ticket.
+    /// Records that nobody will ask for this ticket.
     void abandon(Ticket ticket);
-    /// Nobody will ask for any unspent ticket.
+    /// Records that nobody will ask for any unspent ticket.
     void abandon_all();
 
-    /// Starts a frame on `device`: spends the abandoned tickets that it answers. Tickets of another
-    /// device mean nothing to this one, so that they are forgotten.
+    /// Starts a frame on `device`: polls the abandoned tickets. Tickets of another device are
+    /// forgotten, because they mean nothing to this one.
     void start_frame(QueryDevice& device);
 
-    /// Waits for the answers of all abandoned tickets. Precondition: they are of `device`.
+    /// Waits for the answers of all abandoned tickets. Precondition: they belong to `device`.
     void wait_for_abandoned(QueryDevice& device);
 
     size_t abandoned_count() const { return abandoned_.size(); }
@@ -45,7 +45,7 @@ private:
     void settle();
 
     const QueryDevice* device_ = nullptr; ///< of the last frame
-    std::vector<Ticket> issued_;          ///< may be answered already
+    std::vector<Ticket> issued_;          ///< may hold tickets that are already answered
     std::vector<Ticket> answered_;
     std::vector<Ticket> abandoned_;
 };

@@ -6,8 +6,8 @@
 
 namespace occlude {
 
-// Replaces a node by its descendants, up to `depth` levels, while their boxes together have at most
-// `area` times the surface area of its own.
+// Replaces a node by its descendants, up to `depth` levels down, while their boxes together have at
+// most `area` times its surface area.
 std::span<const NodeId> TightBounds::collect(const Hierarchy& hierarchy, NodeId node,
                                              uint32_t depth, float area)
 {
@@ -20,7 +20,7 @@ std::span<const NodeId> TightBounds::collect(const Hierarchy& hierarchy, NodeId 
         float next_area = 0.0f;
         for (const NodeId id : tight_) {
             const Node& n = nodes[id.value];
-            // A node with items of its own is more than its children.
+            // A node with own items is more than the union of its children.
             const bool opened = n.child_count > 0 && n.own_items == 0;
             const uint32_t first = opened ? n.first_child.value : id.value;
             const uint32_t count = opened ? n.child_count : 1;
