@@ -44,7 +44,7 @@ static_assert(OCCLUDE_SEVERITY_ERROR == static_cast<int>(Severity::error));
 static_assert(OCCLUDE_LATENT == static_cast<int>(Guarantee::Kind::latent));
 static_assert(OCCLUDE_APPROXIMATE == static_cast<int>(Guarantee::Kind::approximate));
 
-/// Checks what cull and record are handed, and calls body(view, device).
+/// Checks the arguments of cull and record, and calls body(view, device).
 template <class Body>
 occlude_status with_device(const occlude_culler* culler, const occlude_view* view,
                            const occlude_device* device, Body&& body)

@@ -15,7 +15,7 @@ static_assert(OCCLUDE_ANSWER_LOST == static_cast<int>(AnswerState::lost));
 
 namespace {
 
-// What callers of version 1 of this interface know of the structs.
+// The size of the structs in version 1 of this interface.
 constexpr size_t kViewSizeOfVersion1 = offsetof(occlude_view, viewport_x_px);
 constexpr size_t kDeviceSizeOfVersion1 = offsetof(occlude_device, depth_reads);
 
@@ -36,7 +36,8 @@ Answer answer_from(const occlude_answer& answer)
     }
 }
 
-/// A test may count too much, but never wait for ever: what is pending after a wait is lost.
+/// A test may count too many samples, but must not wait for ever: if it is pending after a wait, it
+/// is lost.
 Answer final_answer(const Answer& answer)
 {
     return answer.state == AnswerState::pending ? Answer::lost() : answer;
@@ -170,7 +171,8 @@ void CallbackDevice::draw(std::span<const ItemId> items, DrawPass pass)
 void CallbackDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
 {
     if (functions_.query == nullptr) {
-        std::fill(tickets.begin(), tickets.end(), Ticket{}); // answers lost: visible
+        std::fill(tickets.begin(), tickets.end(), Ticket{}); // answers lost, which counts as
+                                                             // visible
         return;
     }
     boxes_.clear();

@@ -33,7 +33,7 @@ Result<std::vector<ItemBounds>> all_bounds_from(const occlude_item* items, size_
     return bounds;
 }
 
-/// The bounds of a refit; an error if their number is not that of the items.
+/// The bounds of a refit; an error if their number differs from the number of items.
 Result<std::vector<ItemBounds>> refit_bounds(const occlude_hierarchy* hierarchy,
                                              const occlude_item* items, size_t count)
 {

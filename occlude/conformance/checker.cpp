@@ -90,7 +90,7 @@ Answer Checker::resolve(Ticket ticket)
         check("C8", reads_as_visible(answer), "an answer that is not ready reads as hidden");
         return answer;
     }
-    // Every frame gives the device the chance to finish; an answer that never comes is waited for.
+    // Every frame gives the device time to finish; an answer that never comes is waited for.
     for (uint32_t frame = 0; frame < kMaxFramesToWait; ++frame) {
         for (uint32_t i = 0; i < kPollsPerFrame; ++i) {
             const Answer answer = device().poll(ticket);

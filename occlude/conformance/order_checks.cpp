@@ -7,7 +7,7 @@ namespace occlude::conformance {
 
 namespace {
 
-// Item 0 is a wall over the whole image, item 1 one nearer to the eye; both hide everything behind.
+// Item 0 is a wall over the whole image, item 1 a nearer one; both hide everything behind them.
 const Aabb kWall{{-60.0f, -60.0f, -21.0f}, {60.0f, 60.0f, -20.0f}};
 const Aabb kNearWall{{-60.0f, -60.0f, -5.0f}, {60.0f, 60.0f, -4.0f}};
 const Aabb kBehind{{-2.0f, -2.0f, -42.0f}, {2.0f, 2.0f, -38.0f}}; // behind both walls
@@ -43,7 +43,7 @@ void check_cleared(Checker& checker)
                    "a box tested in a frame that draws nothing, after one that drew a wall");
 }
 
-// A test of the near wall's box must not stand in the way of what comes after it.
+// A test of the near wall's box must not affect later tests.
 void check_nothing_written(Checker& checker)
 {
     const glm::ivec2 size = checker.host().size_px();

@@ -10,8 +10,8 @@ namespace occlude::conformance {
 
 namespace {
 
-// How much nearer a box must be than what is drawn, as a share of the ray between near and far
-// plane, for rounding in a device's depth not to matter.
+// How much nearer than the drawn surface a box must be, as a share of the ray between near and far
+// plane, so that rounding in a device's depth does not matter.
 constexpr double kClearlyNearer = 1e-3;
 
 glm::dvec3 divided(const glm::dvec4& clip)
@@ -69,7 +69,7 @@ double RayCamera::depth01(const glm::dvec3& point) const
 std::array<glm::dvec2, 5> probes(int x, int y)
 {
     const glm::dvec2 corner{x, y};
-    // Beyond the pixel's own corners, so that snapping a vertex cannot uncover a sample.
+    // Slightly beyond the pixel's own corners, so that snapping a vertex cannot uncover a sample.
     constexpr double kLow = -0.05;
     constexpr double kHigh = 1.05;
     return {corner + 0.5, corner + kLow, corner + glm::dvec2{kHigh, kLow},

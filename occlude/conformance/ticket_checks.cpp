@@ -1,4 +1,4 @@
-// C7, C8, C9, C11 and C12: what a ticket is good for, and for how long.
+// C7, C8, C9, C11 and C12: the meaning and the lifetime of a ticket.
 #include <occlude/conformance/detail/checker.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ const Aabb kWall{{-60.0f, -60.0f, -21.0f}, {60.0f, 60.0f, -20.0f}};
 const Aabb kBehind{{-2.0f, -2.0f, -42.0f}, {2.0f, 2.0f, -38.0f}};
 const Aabb kInFront{{-1.0f, -1.0f, -11.0f}, {1.0f, 1.0f, -9.0f}};
 
-// More tickets than this are not tried: C11 is for devices that run out.
+// C11 is checked only for devices with fewer tickets than this, which can run out.
 constexpr uint32_t kMostTickets = 20000;
 constexpr size_t kBatch = 64;
 
@@ -29,7 +29,7 @@ void check_spent(Checker& checker)
     checker.expect_lost("C7", checker.device().wait(first), "a spent ticket, waited for");
     checker.expect("C7", second, Expect::hidden, "a test beside a spent one");
 
-    // A new owner of the slot must not answer for the old one, nor be spent by asking for it.
+    // A new owner of the slot must neither answer for the old one nor be spent by a request for it.
     checker.begin(checker.view());
     checker.draw({0});
     const Ticket reused = checker.ask({kBehind});
@@ -49,7 +49,7 @@ void check_foreign(Checker& checker)
     }
 }
 
-// A frame ends, others with another camera and without draws follow, and only then answers are
+// A frame ends; others with another camera and without draws follow; and only then the answers are
 // collected, the last first.
 void check_later_frames(Checker& checker)
 {
@@ -67,7 +67,7 @@ void check_later_frames(Checker& checker)
     checker.expect("C12", behind, Expect::hidden, "a box that was hidden three frames ago");
 }
 
-// All tickets that there are, one more, and after collecting them again some.
+// Takes all tickets and one more, and then some again after collecting the answers.
 void check_most_outstanding(Checker& checker)
 {
     const uint32_t most = checker.device().caps().max_outstanding;

@@ -1,4 +1,4 @@
-// C6: tests over several boxes, boxes with transforms, and which ticket belongs to which test.
+// C6: tests over several boxes, boxes with transforms, and the order of tickets.
 #include <occlude/conformance/detail/checker.h>
 
 #include <occlude/core/rng.h>

@@ -14,8 +14,8 @@ namespace occlude::conformance {
 namespace {
 
 constexpr size_t kBoxes = 24;
-// Of the depth range: rounding in a device, and the slope of a face within a pixel beyond what the
-// probes span.
+// As a share of the depth range: rounding in a device, and the slope of a face within a pixel
+// beyond the span of the probes.
 constexpr double kDepthSlop = 2e-4;
 
 glm::vec3 random_point(Rng& rng, float extent)
@@ -49,8 +49,8 @@ View random_view(Checker& checker, Rng& rng)
     return checker.view(eye, glm::normalize(target - eye));
 }
 
-// Tiles against the pixels that were read: never nearer than one of theirs, and no farther than a
-// step of a coarse depth buffer.
+// Compares tiles with the pixels that were read: a tile is never nearer than one of its pixels, and
+// at most one step of a coarse depth buffer farther.
 void check_tiles(Checker& checker, const std::vector<float>& depth, glm::ivec2 size,
                  const std::string& world)
 {
@@ -136,7 +136,7 @@ void check_world(Checker& checker, uint64_t seed)
     const RayCamera camera{view};
     checker.host().set_items(boxes);
 
-    // Half of the world is drawn, in two calls; everything is tested after each.
+    // Draws half of the world in two calls, and tests everything after each.
     std::vector<size_t> drawn;
     std::vector<Ticket> tickets;
     std::vector<Expect> expected;

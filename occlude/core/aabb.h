@@ -1,4 +1,5 @@
-// Axis-aligned boxes, and what the odd ones mean. The first line that fits decides:
+// Axis-aligned boxes. Boxes with special values have a defined meaning; the first line that fits
+// decides:
 //
 //   NaN in any corner           unknown       as everything(): unbounded, always visible
 //   min > max on some axis      empty         bounds nothing, outside of every frustum

@@ -1,4 +1,4 @@
-// Absolute values without a jump: glm::abs compares and jumps, which costs most where signs are
+// Absolute values without a branch: glm::abs compares and branches, which is slowest if signs are
 // random.
 #pragma once
 

@@ -1,5 +1,5 @@
-// Two strengths of checks. Both state what the caller did wrong; neither is active in release
-// builds unless asked for.
+// Checks of two strengths. Both report a mistake of the caller. Release builds contain neither,
+// unless they ask for it.
 #pragma once
 
 #include <functional>
@@ -7,12 +7,12 @@
 
 namespace occlude {
 
-/// Called with the failed condition, its place and a sentence. The default prints to stderr and
-/// aborts; tests install one that throws. It is called only in builds with OCCLUDE_ASSERTS.
+/// Receives the failed condition, its place and a sentence. The default handler prints to stderr
+/// and aborts; tests install one that throws. Only builds with OCCLUDE_ASSERTS call it.
 using AssertHandler = std::function<void(std::string_view condition, std::string_view message,
                                          std::string_view file, int line)>;
 
-/// Replaces the handler and returns the one before it. Not thread-safe: call it at start-up.
+/// Replaces the handler and returns the previous one. Not thread-safe: call it at start-up.
 AssertHandler set_assert_handler(AssertHandler handler);
 
 namespace detail {
@@ -24,7 +24,7 @@ void assert_failed(std::string_view condition, std::string_view message, std::st
 
 #if !defined(NDEBUG) || defined(OCCLUDE_ENABLE_ASSERTS)
 #define OCCLUDE_ASSERTS 1
-/// A caller's bug: cheap to check, always with a message.
+/// Checks for a caller's bug. Cheap, and always with a message.
 #define OCCLUDE_ASSERT(condition, message)                                                         \
     ((condition) ? static_cast<void>(0)                                                            \
                  : ::occlude::detail::assert_failed(#condition, message, __FILE__, __LINE__))

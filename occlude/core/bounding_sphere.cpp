@@ -25,7 +25,7 @@ BoundingSphere bounding_sphere(const Aabb& box)
 
 bool is_elongated(const Aabb& box, float ratio)
 {
-    OCCLUDE_ASSERT(ratio >= 1.0f, "no extent is less than once as long as a shorter one");
+    OCCLUDE_ASSERT(ratio >= 1.0f, "is_elongated() needs a ratio of at least 1");
     if (!box.is_bounded()) {
         return false;
     }

@@ -21,11 +21,11 @@ BoundingSphere bounding_sphere(const Aabb& box);
 /// whose ball is much larger than it is. False for boxes that are not bounded.
 bool is_elongated(const Aabb& box, float ratio = 2.0f);
 
-/// Where `box` lies, found with its ball first: if the ball is inside or outside, that is the
-/// answer; else the box itself is asked if it is elongated, and others intersect. `sphere` must
-/// contain the box: keep it with the object. Errs toward `intersects` more than
-/// Frustum::classify(box): `outside` and `inside` are certain. Tests only the planes in `mask`, and
-/// clears the bits of those that the ball, or the box if it was asked, is inside of.
+/// Where `box` lies, by its ball first. If the ball is inside or outside, so is the box. Otherwise
+/// the box itself is tested if it is elongated, and any other box intersects. `outside` and
+/// `inside` are certain, but more boxes are called `intersects` than by Frustum::classify(box).
+/// Tests only the planes in `mask`, and clears the bits of planes that the ball (or the tested box)
+/// lies wholly inside of. Precondition: `sphere` contains the box; keep it with the object.
 Containment classify_sphere_first(const Frustum& frustum, const BoundingSphere& sphere,
                                   const Aabb& box, PlaneMask& mask, float elongation_ratio = 2.0f);
 

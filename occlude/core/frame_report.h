@@ -1,4 +1,4 @@
-// What a frame was and what it cost. Plain counters, always on; no clocks.
+// The result and the costs of one frame: plain counters that are always on, without clocks.
 #pragma once
 
 #include <cstdint>
@@ -6,11 +6,12 @@
 
 namespace occlude {
 
-/// What the image of a frame is, compared with drawing everything in the frustum.
+/// How the image of a frame compares with the image of drawing everything in the frustum.
 struct Guarantee {
     enum class Kind : uint8_t {
         exact,       ///< the same image, pixel by pixel
-        latent,      ///< made from answers `frames` frames old: something may appear that late
+        latent,      ///< made from answers that are `frames` frames old: something may appear this
+                     ///< many frames late
         approximate, ///< objects of up to `threshold` visible samples may be missing
     };
     Kind kind = Kind::exact;
@@ -31,22 +32,22 @@ struct Guarantee {
 std::string to_string(const Guarantee& guarantee);
 
 struct FrameCounters {
-    uint64_t nodes_visited = 0; ///< nodes taken from the traversal queue
-    uint64_t queries = 0;       ///< tests issued; a multiquery is one
-    uint64_t boxes = 0;         ///< boxes in all tests
-    uint64_t multiqueries = 0;  ///< tests over more than one node
-    uint64_t multiqueries_failed =
-        0;                      ///< ... that came back visible, so that each node was tested again
-    uint64_t batches = 0;       ///< calls of query()
-    uint64_t state_changes = 0; ///< switches between drawing and testing, both ways
-    uint64_t draw_calls = 0;    ///< calls of draw() and draw_and_query()
+    uint64_t nodes_visited = 0;       ///< nodes taken from the traversal queue
+    uint64_t queries = 0;             ///< tests issued; a multiquery is one
+    uint64_t boxes = 0;               ///< boxes in all tests
+    uint64_t multiqueries = 0;        ///< tests over more than one node
+    uint64_t multiqueries_failed = 0; ///< multiqueries that came back visible, so that their nodes
+                                      ///< were tested again
+    uint64_t batches = 0;             ///< calls of query()
+    uint64_t state_changes = 0;       ///< switches between drawing and testing, both ways
+    uint64_t draw_calls = 0;          ///< calls of draw() and draw_and_query()
     uint64_t items_drawn = 0;
     uint64_t triangles_drawn = 0;
     uint64_t waits = 0;        ///< calls of wait()
     uint64_t lost_answers = 0; ///< tests that the device could not answer: taken as visible
     uint64_t depth_reads = 0;  ///< calls of read_depth()
     uint64_t pixels_read = 0;
-    uint64_t cells_asked = 0; ///< grid cells whose pixels were looked at, whatever was read for it
+    uint64_t cells_asked = 0; ///< grid cells whose pixels were looked at
 
     FrameCounters& operator+=(const FrameCounters& other);
     bool operator==(const FrameCounters&) const = default;
@@ -73,8 +74,8 @@ void for_each_counter(Counters& c, Visit&& visit)
     visit("cells_asked", c.cells_asked);
 }
 
-/// What an algorithm that chooses in each frame chose in this one, and why. The times are
-/// its own estimates, in microseconds.
+/// The choice of an algorithm that chooses its way of testing in each frame, and the reason. The
+/// times are its own estimates, in microseconds.
 struct FramePlan {
     enum class Kind : uint8_t {
         fixed,    ///< the algorithm does not choose
@@ -85,19 +86,20 @@ struct FramePlan {
     };
     enum class Reason : uint8_t {
         none,
-        first_look,       ///< nothing is known yet: draws near to far and tests what is behind
-        saves,            ///< what tests find hidden costs more to draw than to test
-        saves_too_little, ///< it does not
-        probe,            ///< it did not: looked again at the end of the frame
+        first_look,       ///< nothing is known yet: draws near to far and tests what lies behind
+        saves,            ///< the hidden nodes cost more to draw than to test
+        saves_too_little, ///< they cost less, so everything is drawn
+        probe,            ///< everything is drawn; a probe at the end of the frame measured what
+                          ///< tests would hide
         no_tests,         ///< the device cannot test
-        chosen,           ///< an option says so
-        useless_clock,    ///< as the device's hints say: the clock stands still or is coarse
+        chosen,           ///< an option prescribes it
+        useless_clock,    ///< the clock stands still or is coarse, so the device's hints decide
     };
     Kind kind = Kind::fixed;
     Reason reason = Reason::none;
-    float drawn_us = 0.0f; ///< drawing what was drawn
-    float saved_us = 0.0f; ///< drawing what was found hidden
-    float spent_us = 0.0f; ///< testing
+    float drawn_us = 0.0f; ///< cost of the drawing
+    float saved_us = 0.0f; ///< cost of drawing what was found hidden
+    float spent_us = 0.0f; ///< cost of the tests
 
     bool operator==(const FramePlan&) const = default;
 };

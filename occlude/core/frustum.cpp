@@ -14,8 +14,8 @@ namespace occlude {
 // Rounding of centre, extent and dot product: a few ulps of the largest term.
 static constexpr float kSlop = 1e-6f;
 
-// A plane whose normal vanishes beside `scale`, the length of the normal of the row of w, bounds
-// nothing: it is the far plane of an infinite projection after rounding.
+// A plane bounds nothing if its normal vanishes beside `scale`, the length of the normal of the row
+// of w: it is the far plane of an infinite projection after rounding.
 void Frustum::set_plane(Plane which, const glm::dvec4& relative_plane, const glm::dvec3& origin,
                         double scale, double rounding)
 {
@@ -79,8 +79,8 @@ Frustum Frustum::from_clip(const glm::mat4& clip_from_world, ClipConvention conv
                          false);
 }
 
-// Four planes at once. Sums are in the order of glm::dot, so that answers are those of a loop over
-// the planes (Frustum.FourPlanesAtOnceAnswerAsOneByOne).
+// Four planes at once. Sums have the order of glm::dot, so that the results equal a loop over the
+// planes (Frustum.FourPlanesAtOnceAnswerAsOneByOne).
 Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
 {
     using namespace detail;
@@ -90,7 +90,7 @@ Containment Frustum::classify(const Aabb& box, PlaneMask& mask) const
     if (mask == 0) {
         return Containment::inside;
     }
-    // Corners first: far from the world's origin a centre would round more than they do.
+    // Corners first: far from the world's origin, a centre would round more than the corners do.
     const Aabb relative{box.min - origin_, box.max - origin_};
     const glm::vec3 center = relative.center();
     const glm::vec3 half = 0.5f * relative.extent();

@@ -48,10 +48,10 @@ public:
     /// infinite projection) and a plane that is not finite never cull.
     static Frustum from_clip(const glm::mat4& clip_from_world, ClipConvention convention);
 
-    /// The same of a matrix that maps (position - origin) to clip space; classify() takes boxes in
-    /// world space, and measures from the origin. `rounding`: by how much a device may be off in
-    /// clip space, besides the rounding of the distance from the origin; what is outside by less is
-    /// not called outside. With `ignores_near_plane` the near plane culls nothing.
+    /// The frustum of a matrix that maps (position - origin) to clip space. classify() takes boxes
+    /// in world space and measures from the origin. `rounding`: the largest error of a device in
+    /// clip space, apart from the rounding of the distance from the origin; a box that is outside
+    /// by less is not called outside. With `ignores_near_plane` the near plane culls nothing.
     static Frustum from_relative(const glm::dmat4& clip_from_relative, const glm::dvec3& origin,
                                  ClipConvention convention, const glm::vec4& rounding,
                                  bool ignores_near_plane);
@@ -59,12 +59,13 @@ public:
     /// A plane as (normal, offset): points inside have dot(normal, p) + offset >= 0. Normals have
     /// length 1, so that the value is the distance in world units; (0, 0, 0, 0) bounds nothing.
     const glm::vec4& plane(Plane which) const { return planes_[which]; }
-    /// The same with the offset of (position - origin), the origin rounded to float.
+    /// The same plane with the offset for (position - origin), where the origin is rounded to
+    /// float.
     const glm::vec4& plane_from_origin(Plane which) const { return from_origin_[which]; }
 
-    /// Where `box` lies, testing only the planes in `mask`; clears the bits of the planes that the
-    /// whole box is inside of. `inside` is certain; `outside` is certain; `intersects` is what is
-    /// left. Empty boxes are outside; unbounded and NaN boxes intersect, and clear no bit.
+    /// Where `box` lies, by the planes in `mask` only; clears the bits of planes that the whole box
+    /// is inside of. `inside` and `outside` are certain; `intersects` is every other case. Empty
+    /// boxes are outside; unbounded and NaN boxes intersect, and clear no bit.
     Containment classify(const Aabb& box, PlaneMask& mask) const;
 
     Containment classify(const Aabb& box) const
@@ -73,25 +74,25 @@ public:
         return classify(box, mask);
     }
 
-    /// Where the ball around `center` lies. As with boxes: `outside` and `inside` are certain, near
-    /// an edge of the frustum the answer may be `intersects` although the ball is wholly outside. A
-    /// ball that is not finite intersects; one of negative radius is empty, so outside.
+    /// Where the ball around `center` lies. `outside` and `inside` are certain; near an edge of the
+    /// frustum the answer may be `intersects` although the ball is wholly outside. A ball that is
+    /// not finite intersects. A ball of negative radius is empty and so outside.
     Containment classify_sphere(const glm::vec3& center, float radius) const
     {
         PlaneMask mask = kAllPlanes;
         return classify_sphere(center, radius, mask);
     }
 
-    /// The same, testing only the planes in `mask`; clears the bits of the planes that the whole
-    /// ball is inside of.
+    /// The same for the planes in `mask` only; clears the bits of planes that the whole ball is
+    /// inside of.
     Containment classify_sphere(const glm::vec3& center, float radius, PlaneMask& mask) const;
 
 private:
-    // The planes again, side by side, for tests of four at once; two of the eight bound nothing.
+    // A copy of the planes, coordinate by coordinate, for tests of four at once; two of the eight
+    // bound nothing.
     struct Lanes {
         std::array<float, 8> x{}, y{}, z{}, w{};
-        std::array<float, 8>
-            slop{}; ///< what is added to the terms that round, besides those of x, y, z
+        std::array<float, 8> slop{}; ///< the rounding that does not depend on x, y and z
     };
 
     void set_plane(Plane which, const glm::dvec4& relative_plane, const glm::dvec3& origin,

@@ -38,7 +38,7 @@ struct Handle {
     constexpr auto operator<=>(const Handle&) const = default;
 };
 
-/// What one draw draws: an index into the scene's items, and into the engine's own table of draws.
+/// One draw: an index into the scene's items, and into the engine's own table of draws.
 using ItemId = Id<struct ItemTag>;
 /// A node of a Hierarchy: an index that is valid until the hierarchy's structure changes.
 using NodeId = Id<struct NodeTag>;
@@ -47,7 +47,7 @@ using NodeId = Id<struct NodeTag>;
 using ItemPosition = Id<struct ItemPositionTag>;
 /// An object of a Scene. Stale handles are recognised: the slot's generation has moved on.
 using ObjectId = Handle<struct ObjectTag>;
-/// An outstanding test on a QueryDevice. Spent when its result was read.
+/// An outstanding test on a QueryDevice. It is spent when its result is read.
 using Ticket = Handle<struct TicketTag>;
 
 } // namespace occlude

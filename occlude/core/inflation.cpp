@@ -1,4 +1,4 @@
-// How far a box grows before it is tested, in the space of an object.
+// Computes how far a box grows before it is tested, in the space of an object.
 #include <occlude/core/detail/view_math.h>
 #include <occlude/core/view.h>
 
@@ -40,10 +40,10 @@ float inverse_stretch(const glm::mat4& map)
     return std::isfinite(most) ? most : 0.0f;
 }
 
-// A length of the object grows by at most the Frobenius norm of the map, and a distance between two
-// faces of a box shrinks by at most inverse_stretch. A point at distance c from the origin is at
-// most 2 R c from it in the world; the terms that a device rounds on the way are those of the
-// object's own coordinates and of the translation besides.
+// The Frobenius norm of the map bounds how much a length of the object grows. inverse_stretch
+// bounds how much a distance between two faces of a box shrinks. A point at distance c from the
+// origin is at most 2 R c from it in the world. A device rounds two more kinds of terms on the way:
+// the object's own coordinates, and the translation.
 Inflation Inflation::in(const glm::mat4& world_from_object, float inverse_stretch) const
 {
     constexpr double kMargin = 1.0 + 1e-5;

@@ -1,11 +1,11 @@
-// How the library tells its host that something is wrong. It prints nothing by itself: without a
-// handler it stays silent.
+// Messages by which the library tells its host that something is wrong. It prints nothing itself,
+// and is silent without a handler.
 //
-//   GlDeviceOptions::on_message       what the device and the engine's OpenGL state have
-//   Culler::set_message_handler       what a culler notices of its device and of its view
+//   GlDeviceOptions::on_message       faults of the device and of the engine's OpenGL state
+//   Culler::set_message_handler       faults that a culler notices of its device and of its view
 //
-// Every message has a name that never changes, by which a host can filter, and is reported once by
-// each object: a fault of every frame is one message.
+// Every message has a name that never changes, so that a host can filter by it. Each object reports
+// a message once, even if the fault recurs in every frame.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ constexpr const char* name(Severity severity)
     return "error";
 }
 
-/// Views are valid during the call of the handler only.
+/// The views are valid only during the call of the handler.
 struct Message {
     Severity severity = Severity::note;
     std::string_view name; ///< "gl.viewport", "culler.lost_answers", ...
@@ -45,7 +45,7 @@ struct Message {
 /// object that reports.
 using MessageHandler = std::function<void(const Message&)>;
 
-/// What an object of the library has told its host.
+/// The messages that an object of the library has already reported.
 class Messages {
 public:
     explicit Messages(MessageHandler handler = {})
@@ -53,11 +53,11 @@ public:
     {
     }
 
-    /// True if report() would call the handler: ask before making the text.
+    /// True if report() would call the handler: check this before composing the text.
     bool due(std::string_view name) const;
 
-    /// Calls the handler, unless there is none or a message of that name was reported before.
-    /// `name` must live as long as this object: a literal.
+    /// Calls the handler, unless there is none or a message of that name was already reported.
+    /// `name` must outlive this object: use a literal.
     void report(Severity severity, std::string_view name, std::string_view text);
 
 private:

@@ -1,4 +1,5 @@
-// The range of a numeric option. visit_options() declares it beside the option (option_text.h).
+// The range of a numeric option. visit_options() declares it together with the option
+// (option_text.h).
 #pragma once
 
 #include <limits>
@@ -40,8 +41,8 @@ struct OptionClamp {
 
 } // namespace detail
 
-/// `options` with every number moved into its range: what an algorithm makes of options that were
-/// set in code, where nobody checks them.
+/// A copy of `options` with every number moved into its range, because options that are set in code
+/// are not checked elsewhere.
 template <class Options>
 Options clamped(Options options)
 {

@@ -1,6 +1,6 @@
-// Options as text: a struct whose options visit_options() names can be described, and set by name.
+// Options as text: describes the options that visit_options() names, and sets them by name.
 //
-// visit_options(options, visit) says of each option once what there is to know:
+// visit_options(options, visit) describes each option once:
 //
 //   visit("refine", o.refine, "description")                    a bool, or an enum whose values
 //                                                               option_names() lists
@@ -157,7 +157,7 @@ public:
         }
     }
 
-    // What is wrong with the setting; the empty string if nothing is.
+    // The error in the setting; the empty string if there is none.
     std::string problem() const
     {
         if (known_) {
@@ -190,7 +190,7 @@ private:
 
 } // namespace detail
 
-/// The options of a struct that visit_options() knows, with their defaults.
+/// The options of a struct that has visit_options(), with their defaults.
 template <class Options>
 std::vector<OptionInfo> describe_options()
 {
@@ -200,8 +200,8 @@ std::vector<OptionInfo> describe_options()
     return std::move(describer.infos);
 }
 
-/// Sets one option by name. The empty string, or what is wrong: the unknown name with the known
-/// ones, or the value with what it may be.
+/// Sets one option by name. Returns the empty string, or the error: an unknown name with the list
+/// of known ones, or a bad value with the accepted ones.
 template <class Options>
 std::string apply_option(Options& options, const OptionValue& setting)
 {
@@ -210,7 +210,7 @@ std::string apply_option(Options& options, const OptionValue& setting)
     return setter.problem();
 }
 
-/// Sets all of `values`, in their order, up to the first that is wrong.
+/// Sets all of `values` in their order; stops at the first error.
 template <class Options>
 std::string apply_options(Options& options, std::span<const OptionValue> values)
 {

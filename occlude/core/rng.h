@@ -1,5 +1,6 @@
-// The only source of randomness in the library: a fixed-algorithm hash of what the number is for.
-// No state, no global, the same on every compiler, so that every run can be repeated.
+// The only source of randomness in the library: a hash, by a fixed algorithm, of values that name
+// the purpose of the number. It has no state and is the same on every compiler, so that every run
+// repeats.
 #pragma once
 
 #include <cstdint>

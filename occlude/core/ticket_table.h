@@ -1,4 +1,4 @@
-// Who owns a ticket: slots that are reused, with a generation that tells their owners apart.
+// A table from tickets to their owners: slots are reused, and generations tell the owners apart.
 #pragma once
 
 #include <occlude/core/ids.h>
@@ -29,7 +29,7 @@ public:
         return Ticket{index, slot.generation};
     }
 
-    /// The value, or null. Valid until the next add().
+    /// The value, or null if the ticket is unknown. Valid until the next add().
     T* find(Ticket ticket)
     {
         const bool known = ticket.valid() && ticket.index < slots_.size() &&
@@ -45,13 +45,13 @@ public:
         }
         Slot& slot = slots_[ticket.index];
         slot.value.reset();
-        // 0 is never given out, also not after 2^32 owners.
+        // 0 is never given out, not even after 2^32 owners
         slot.generation = slot.generation == 0xffffffffu ? 1 : slot.generation + 1;
         free_.push_back(ticket.index);
         --count_;
     }
 
-    /// The value, which is released; nothing if the ticket is unknown.
+    /// Releases the ticket and returns its value; nothing if the ticket is unknown.
     std::optional<T> take(Ticket ticket)
     {
         const T* found = find(ticket);
@@ -60,7 +60,7 @@ public:
         return value;
     }
 
-    /// Tickets given out and not released.
+    /// How many tickets were given out and not released.
     uint32_t size() const { return count_; }
 
 private:

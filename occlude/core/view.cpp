@@ -16,18 +16,18 @@ using detail::largest;
 
 namespace {
 
-// Boxes grow by this share of a pixel: rasterisers snap vertices to 1/256 px, and the box and what
-// is in it are snapped apart. Four snaps wide.
+// Boxes grow by this share of a pixel, which is four snaps: rasterisers snap vertices to 1/256 px,
+// and they snap the box and its contents separately.
 constexpr double kInflatePixels = 1.0 / 64.0;
 
 // A device transforms in float, first to world space and then to clip space: two sums of four
 // products, so that at most eight roundings, each of 2^-24 of the sum of the absolute terms, lie
 // between its clip coordinates and the exact ones.
 constexpr double kDeviceRounding = 8.0 * 0x1p-24;
-// What is tested and what is drawn go through two such streams.
+// The tested box and the drawn item go through two such streams.
 constexpr double kStreams = 2.0;
-// On the screen, w is at least this many times its rounding error, or rule R1 applies: quotients
-// by w are then off by at most an eighth of what the numerators are.
+// On the screen, w is at least this many times its rounding error; otherwise rule R1 applies. So
+// rounding changes w by at most an eighth of itself.
 constexpr double kLeastWOverRounding = 8.0;
 
 bool all_finite(const glm::dmat4& m)
@@ -147,7 +147,7 @@ View View::from_clip(const glm::mat4& clip_from_world, glm::ivec2 size_px,
             ? glm::inverse(clip) * glm::dvec4{0.0, 0.0, reversed ? 1.0 : z_low, 1.0}
             : common_zero(rows[0], rows[1], rows[3]);
     const glm::dvec3 origin = glm::dvec3{from} / from.w;
-    // Its terms are those of world positions: of (position - origin), and of the origin.
+    // Its rounded terms are world positions: (position - origin), and the origin.
     glm::dmat4 magnitude = magnitude_of(clip);
     magnitude[3] += magnitude * glm::dvec4{detail::absolute(origin), 0.0};
     view.set_camera(translated(clip, origin), origin, magnitude);
@@ -192,7 +192,8 @@ View View::in_object(const glm::mat4& world_from_object) const
     return view;
 }
 
-// `magnitude`: as clip_from_relative, the sums of the absolute terms that a device may round.
+// `magnitude`: like clip_from_relative, with the sums of the absolute terms that a device may
+// round.
 void View::set_camera(const glm::dmat4& clip_from_relative, const glm::dvec3& origin,
                       const glm::dmat4& magnitude)
 {
@@ -268,7 +269,7 @@ void View::set_near_rules(const glm::dmat4& rows, const glm::dmat4& magnitude,
     const bool reversed = convention_.order == DepthOrder::near_is_large;
     const double z_low = convention_.range == DepthRange::minus_one_to_one ? -1.0 : 0.0;
     eye_offset_ = glm::vec3{eye + (origin_ - glm::dvec3{inflation_.origin})};
-    // The distance to the plane is a sum of four terms, of which rounding takes its share.
+    // The distance to the plane is a sum of four terms, and each of them rounds.
     constexpr double kSumRounding = 16.0 * 0x1p-24;
     double per_distance = kSumRounding * 2.0;
     const double beside = largest(glm::dvec3{inflation_.origin} - origin_);
@@ -302,8 +303,8 @@ float View::distance_key(const Aabb& box) const
            0.5f * glm::dot(glm::abs(normal), box.extent());
 }
 
-// Corners are chosen rather than centre and extent, because then every step is monotone in the
-// box, rounding included: no box inside of another touches unless the other does.
+// Corners instead of centre and extent, because then every step is monotone in the box, rounding
+// included: a box inside another touches only if the outer one does.
 bool View::touches_near(const Aabb& box) const
 {
     if (!usable_ || !box.is_bounded()) {
@@ -337,7 +338,7 @@ Aabb View::inflated_for_test(const Aabb& box) const
     if (!box.is_bounded()) {
         return box;
     }
-    // Corners are rounded to float, too: by half of this at most.
+    // Corners are rounded to float, too, by at most half of this.
     const glm::vec3 magnitude = glm::max(detail::absolute(box.min), detail::absolute(box.max));
     const float ulp = 0x1p-23f * std::max({magnitude.x, magnitude.y, magnitude.z});
     return inflated(box, inflation_.margin(box) + ulp);

@@ -25,14 +25,12 @@
 //             most `probe_share` of the time) finds out whether that has changed. The traversal
 //             starts from the cut of the last frame, not from the root (hierarchy_cut.h).
 // Guarantees  exact: every item in the frustum is drawn, or lies in a node that a test of this
-// frame
-//             found hidden. Measured times change what is tested and how, never the image.
+//             frame found hidden. Measured times change what is tested and how, never the image.
 //             Decisions follow the hints of DeviceCaps if there is no clock, if the clock stands
 //             still or is coarse, and on a device without exact timing.
 // Cost        O(entries of the cut) per frame, which follows the visible boundary; plus one
-// read-back
-//             of depth (in tiles, if that costs less) or a few rounds of tests. A frame that draws
-//             everything costs as much as one of `frustum`, plus the probes.
+//             read-back of depth (in tiles, if that costs less) or a few rounds of tests. A frame
+//             that draws everything costs as much as one of `frustum`, plus the probes.
 #pragma once
 
 #include <occlude/core/clock.h>

@@ -63,7 +63,7 @@ void Ideal::record(const View& view, QueryDevice&, std::span<const ItemId> owner
     for (const ItemId item : owners) {
         const bool known =
             item.value < position_of_item_.size() && position_of_item_[item.value].valid();
-        OCCLUDE_ASSERT(known, "an owner is an item of the hierarchy");
+        OCCLUDE_ASSERT(known, "an owner must be an item of the hierarchy");
         if (known) {
             add(item);
         }

@@ -19,8 +19,7 @@
 // Guarantees  approximate: any item may be missing. Exact with `finish`: then every item in the
 //             frustum is drawn, or all its cells were found hidden in this frame.
 // Cost        the budget, in triangles or in milliseconds of the clock, exceeded by at most one
-// cell
-//             or `chunk_triangles`. One step per cell of the grid, empty cells included. With
+//             cell or `chunk_triangles`. One step per cell of the grid, empty cells included. With
 //             `finish`, one test per cell that the budget left out, and the items that the tests
 //             reveal.
 #pragma once

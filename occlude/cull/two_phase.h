@@ -15,9 +15,8 @@
 //             visible triangles, so that a camera cut, where phase 1 draws nothing, does not draw
 //             everything in the frustum.
 // Guarantees  exact: every item in the frustum is drawn, or it, or a node that holds it, was found
-// in
-//             this frame to lie wholly behind what was drawn. An item that phase 1 draws although
-//             it is now hidden costs time, never pixels, and the next frame drops it.
+//             in this frame to lie wholly behind what was drawn. An item that phase 1 draws
+//             although it is now hidden costs time, never pixels, and the next frame drops it.
 // Cost        O(entries of the cut): one depth read-back per frame and one more per
 //             `reread_triangles` revealed; well below a microsecond per test; no queries. Without
 //             caps.read_depth nothing can be hidden: everything in the frustum is drawn in one

@@ -14,8 +14,7 @@
 // Guarantees  exact: an item in the frustum is drawn if the test of any cell that it overlaps finds
 //             a sample, or cannot be trusted near the viewer (rule R1).
 // Cost        one test per occupied cell in the frustum, and per slab one batch and one wait for
-// its
-//             answers. All cells are built again after an item moves.
+//             its answers. All cells are built again after an item moves.
 #pragma once
 
 #include <occlude/core/option_range.h>

@@ -4,7 +4,7 @@
 
 namespace occlude {
 
-// A poll takes time, so that a caller that does nothing but poll gets its answer.
+// A poll takes time, so that a caller that only polls gets its answer eventually.
 constexpr double kPollUs = 0.2;
 
 void CostModelDevice::work(double us)

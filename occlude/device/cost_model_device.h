@@ -1,11 +1,11 @@
-// A device whose work takes the time that a model says, on a clock of its own: how would algorithms
-// do on hardware with other costs than this machine's? The same answer in every run.
+// A device whose work takes the time that a model says, on its own clock. It shows how algorithms
+// perform on hardware with other costs than this machine's. The answers are the same in every run.
 //
 //   host     the program's time. poll(), wait(), read_depth() and end_frame() take some of it; the
 //            other verbs take none.
-//   device   works through its commands in order and starts at once. wait() and read_depth() move
-//            the host's time to the moment when the device has finished the command and the answer
-//            has come back. end_frame() waits for all commands.
+//   device   works through its commands in order and starts at once. wait() and read_depth()
+//            advance the host's time to the moment when the device has finished the command and the
+//            answer has come back. end_frame() waits for all commands.
 #pragma once
 
 #include <occlude/core/assert.h>
@@ -20,7 +20,7 @@ namespace occlude {
 
 /// All in microseconds.
 struct DeviceCosts {
-    double per_frame = 500.0; ///< whatever is drawn: clearing, pixels
+    double per_frame = 500.0; ///< per frame: clearing and pixels
     double per_triangle = 0.1;
     double per_item = 2.0;
     double per_draw = 20.0;  ///< a call of draw(), with its change of state
@@ -28,14 +28,15 @@ struct DeviceCosts {
     double per_test = 20.0;
     double per_box = 2.0;
     double per_depth_read = 50.0;
-    double per_pixel_read = 0.0004;    ///< of each value that comes back
-    double per_pixel_reduced = 0.0001; ///< of the target, where tiles are read
-    double latency = 5.0;              ///< until the host knows what the device has found
+    double per_pixel_read = 0.0004;    ///< per value that comes back
+    double per_pixel_reduced = 0.0001; ///< per pixel of the target, if tiles are read
+    double latency = 5.0;              ///< from the end of the device's work until the host knows
+                                       ///< the result
 };
 
 class CostModelDevice final : public ForwardingDevice {
 public:
-    /// Keeps references: `inner`, which answers, and the triangle counts outlive this device.
+    /// Keeps references: `inner`, which answers, and the triangle counts must outlive this device.
     CostModelDevice(QueryDevice& inner, const DeviceCosts& costs,
                     std::span<const uint32_t> triangles_by_item)
         : ForwardingDevice(inner)
@@ -44,13 +45,13 @@ public:
     {
         OCCLUDE_ASSERT(costs.per_frame >= 0.0 && costs.latency >= 0.0 &&
                            costs.per_triangle >= 0.0 && costs.per_test >= 0.0,
-                       "no work takes less than no time");
+                       "CostModelDevice needs costs that are not negative");
     }
 
     /// The host's time, in seconds.
     double seconds() const { return 1e-6 * host_us_; }
 
-    // caps() are those of `inner`: its hints know nothing of the model.
+    // caps() are those of `inner`: its hints are not taken from the model.
     void begin_frame(const View& view) override;
     void draw(std::span<const ItemId> items, DrawPass pass) override;
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
@@ -76,7 +77,7 @@ private:
     TicketTable<Test> tests_;
     double host_us_ = 0.0;
     glm::ivec2 size_px_{0};
-    double device_us_ = 0.0; ///< when the device will have done what it has
+    double device_us_ = 0.0; ///< when the device will have finished its commands
 };
 
 } // namespace occlude

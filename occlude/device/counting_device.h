@@ -1,6 +1,6 @@
 // Counts from the outside what an algorithm makes a device do, to check the algorithm's own report.
 //
-// What the counters mean here:
+// The counters have these meanings:
 //   state_changes  A frame starts in the drawing state. query() while drawing is one change, draw()
 //                  or draw_and_query() while querying is one. Nothing else changes the state, and
 //                  the end of a frame does not count.
@@ -29,7 +29,7 @@ public:
         uint64_t visible_above = 0; ///< samples; tells which multiqueries failed
     };
 
-    /// Keeps references: `inner` and the triangle counts outlive this device.
+    /// Keeps references: `inner` and the triangle counts must outlive this device.
     explicit CountingDevice(QueryDevice& inner)
         : CountingDevice(inner, Options{})
     {
@@ -40,9 +40,9 @@ public:
     {
     }
 
-    /// Since the last begin_frame(); what is asked between two frames counts for the first of them.
+    /// Since the last begin_frame(), including polls and waits after end_frame().
     const FrameCounters& frame() const { return frame_; }
-    /// All frames so far.
+    /// The sum over all frames.
     FrameCounters total() const;
 
     void begin_frame(const View& view) override;
@@ -64,7 +64,7 @@ private:
 
     Options options_;
     FrameCounters frame_;
-    FrameCounters earlier_; ///< the frames before this one
+    FrameCounters earlier_; ///< all frames before the current one
     State state_ = State::drawing;
     std::set<Ticket> multiqueries_; ///< unspent
 };

@@ -9,7 +9,7 @@ namespace {
 
 uint64_t between(uint32_t low, uint32_t high, uint64_t hash)
 {
-    OCCLUDE_ASSERT(low <= high, "a delay's smallest value is above its largest");
+    OCCLUDE_ASSERT(low <= high, "the smallest delay is above the largest");
     return high <= low ? low : low + uint64_t{uniform_below(hash, high - low + 1)};
 }
 

@@ -1,5 +1,5 @@
-// Holds a real device's answers back, and loses some: late and lost answers on demand, the same
-// ones in every run.
+// Delays the answers of a real device and loses some: late and lost answers on demand, the same in
+// every run.
 #pragma once
 
 #include <occlude/core/ticket_table.h>
@@ -7,21 +7,22 @@
 
 namespace occlude {
 
-/// How late answers are. Each test's delay is drawn from the ranges, both ends included.
+/// How late answers are. Each test's delay is drawn from these ranges, both ends included.
 struct DelayOptions {
     uint64_t seed = 1;
-    uint32_t min_polls = 0; ///< polls of any ticket, since the test was issued, that come too early
+    uint32_t min_polls = 0; ///< polls of any ticket after the test was issued that still come too
+                            ///< early
     uint32_t max_polls = 0;
-    uint32_t min_frames = 0; ///< calls of end_frame() since the test was issued
+    uint32_t min_frames = 0; ///< calls of end_frame() after the test was issued
     uint32_t max_frames = 0;
     uint32_t lose_every = 0; ///< the n-th, 2n-th, ... test is lost; 0: none
 };
 
-/// poll() answers pending until the delay is over, without asking the device; wait() gets the
-/// answer at once, as always. A lost test answers lost when it would have been answered.
+/// poll() answers pending until the delay is over, without asking the device. wait() gets the
+/// answer at once. A lost test answers lost at the time when it would have been answered.
 class DelayingDevice final : public ForwardingDevice {
 public:
-    /// Keeps a reference: `inner` outlives this device.
+    /// Keeps a reference: `inner` must outlive this device.
     DelayingDevice(QueryDevice& inner, DelayOptions options)
         : ForwardingDevice(inner)
         , options_(options)

@@ -15,7 +15,7 @@ enum class DeviceVerb : uint8_t {
     wait,
     read_depth,
     end_frame,
-    read_depth_tiles, ///< recordings keep the numbers, so that new verbs come last
+    read_depth_tiles, ///< recordings store the numbers, so that new verbs must come last
 };
 
 /// "begin_frame", "draw", ...

@@ -9,7 +9,7 @@ namespace occlude {
 
 namespace {
 
-// What a random number is for, so that no two decisions share one.
+// The purpose of a random number, so that no two decisions share one.
 enum Purpose : uint64_t { kLost, kNeverReady, kDepth, kPolls, kFrames };
 
 } // namespace
@@ -20,9 +20,9 @@ FaultyDevice::FaultyDevice(QueryDevice& inner, const Faults& faults)
     , caps_(inner.caps())
 {
     OCCLUDE_ASSERT(faults.lost <= 1000 && faults.never_ready <= 1000 && faults.depth_fails <= 1000,
-                   "faults happen to at most 1000 of a thousand");
+                   "FaultyDevice needs chances of at most 1000 per thousand");
     OCCLUDE_ASSERT(faults.max_polls < ~0u && faults.max_frames < ~0u,
-                   "the delays of a FaultyDevice are shorter than 2^32 - 1");
+                   "FaultyDevice needs delays below 2^32 - 1");
     if (faults_.max_outstanding != 0) {
         caps_.max_outstanding = std::min(caps_.max_outstanding, faults_.max_outstanding);
     }
@@ -37,7 +37,7 @@ bool FaultyDevice::chance(uint32_t per_thousand, uint64_t what, uint64_t number)
 void FaultyDevice::begin_frame(const View& view)
 {
     inner_.begin_frame(view);
-    // A device may know the layout of its samples only now, and nothing else of its caps changes.
+    // The device may know the layout of its samples only now; its other caps do not change.
     caps_.samples_at_pixel_centers = inner_.caps().samples_at_pixel_centers;
 }
 
@@ -66,7 +66,7 @@ void FaultyDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
             continue;
         }
         ++injected_;
-        inner_.wait(ticket); // or the inner device would run out of tickets, too
+        inner_.wait(ticket); // otherwise the inner device would run out of tickets, too
         ticket = Ticket{};
     }
 }

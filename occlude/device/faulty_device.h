@@ -1,6 +1,6 @@
-// A device that fails the way devices do, by chance and repeatably: answers that come late, out of
-// order, never, or not at all; answers that expire; depth that cannot be read; too few tickets.
-// Within the contract: what is unknown reads as visible, so an exact algorithm stays exact over it.
+// A device that fails by chance, and the same way in every run: answers come late, out of order,
+// never, or are lost; answers expire; depth cannot be read; there are too few tickets. It keeps the
+// contract: unknown answers read as visible, so that an exact algorithm stays exact over it.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -17,18 +17,19 @@ struct Faults {
     uint32_t never_ready = 0;          ///< tests that poll() calls pending for ever; wait() works
     uint32_t depth_fails = 0;          ///< read-backs that fail, by pixels or by tiles
     uint32_t max_polls = 0;            ///< polls of a test that come too early: 0 to this many
-    uint32_t max_frames = 0;           ///< frames that end before poll() answers: 0 to this many
+    uint32_t max_frames = 0;           ///< calls of end_frame() before poll() answers: 0 to this
+                                       ///< many
     uint32_t expires_after_frames = 0; ///< frames after which an unspent ticket is lost; 0: none
-    uint32_t max_outstanding = 0;      ///< tickets there are; 0: as many as the device has
-    bool same_frame_results = true;    ///< false: wait() in the frame that asked answers lost
+    uint32_t max_outstanding = 0;      ///< available tickets; 0: as many as the device has
+    bool same_frame_results = true;    ///< false: wait() in the frame of the test answers lost
 };
 
 class FaultyDevice final : public QueryDevice {
 public:
-    /// Keeps a reference: `inner` outlives this device.
+    /// Keeps a reference: `inner` must outlive this device.
     FaultyDevice(QueryDevice& inner, const Faults& faults);
 
-    /// Faults that happened so far, of all kinds.
+    /// How many faults of all kinds have happened.
     uint64_t faults_injected() const { return injected_; }
 
     const DeviceCaps& caps() const override { return caps_; }

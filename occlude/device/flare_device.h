@@ -9,7 +9,7 @@ namespace occlude {
 
 class FlareDevice final : public ForwardingDevice {
 public:
-    /// Keeps references: `inner` and `flares` outlive this device.
+    /// Keeps references: `inner` and `flares` must outlive this device.
     FlareDevice(QueryDevice& inner, FlareVisibility& flares)
         : ForwardingDevice(inner)
         , flares_(flares)

@@ -1,5 +1,5 @@
-// What every decorator is made of: a device that passes each verb on to another one. A decorator
-// overrides the verbs at which it does something, and calls inner() in them.
+// The base of every decorator: a device that passes each verb on to another one. A decorator
+// overrides the verbs that it changes, and calls inner() in them.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -33,7 +33,7 @@ public:
     void end_frame() override { inner_.end_frame(); }
 
 protected:
-    /// Keeps a reference: `inner` outlives this device.
+    /// Keeps a reference: `inner` must outlive this device.
     explicit ForwardingDevice(QueryDevice& inner)
         : inner_(inner)
     {

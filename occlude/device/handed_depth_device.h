@@ -1,18 +1,18 @@
-// Culls without a callback: against depth that the engine hands over, into a list.
+// Culls without a draw callback: against depth that the engine hands over, into a list.
 //
-// For engines that cannot be called in the middle of a frame: they draw depth of what hides most
-// (large occluders, the visible set of the last frame), hand it over, cull, and then draw
-// culler.drawn_items() in any order, in any thread.
+// For engines that cannot be called in the middle of a frame. They draw the depth of their best
+// occluders (large objects, the visible set of the last frame), hand it over, cull, and then draw
+// culler.drawn_items() in any order and in any thread.
 //
 //   device.hand_over(size, depth);            // of this frame, with the view's own camera
 //   culler.cull(view, device);
 //   engine.draw(culler.drawn_items());
 //
-// Guarantees  With depth of this frame and camera, drawn from items that the engine draws: exact;
+// Guarantees  exact with depth of this frame and camera, drawn from items that the engine draws:
 //             every item is listed that the handed depth does not hide. Depth of an earlier frame
-//             or of another camera hides what has come out from behind since.
-// Cost        a test is a comparison on the CPU; nothing waits. Draws only make the list: depth
-//             does not change within a cull, so that items hide no others that are not in it.
+//             or of another camera may hide items that have become visible since.
+// Cost        a test is a comparison on the CPU; nothing waits. draw() only extends the list: depth
+//             does not change within a cull, so that listed items hide no others.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -28,9 +28,9 @@ class HandedDepthDevice final : public QueryDevice {
 public:
     HandedDepthDevice();
 
-    /// The depth for all frames until the next call: window depth, 0 near to 1 far, the farthest
-    /// sample of each pixel, row by row from the bottom. Copies it. Precondition: one value per
-    /// pixel. A frame of another size is tested against nothing: all is visible.
+    /// Sets the depth for all frames until the next call: window depth, 0 near to 1 far, the
+    /// farthest sample of each pixel, row by row from the bottom. Copies it. Precondition: one
+    /// value per pixel. In a frame of another size nothing is tested, and everything is visible.
     void hand_over(glm::ivec2 size_px, std::span<const float> depth);
 
     const DeviceCaps& caps() const override { return caps_; }

@@ -14,7 +14,7 @@ namespace occlude {
 namespace {
 
 // The format: this mark, the caps, the calls, and the FNV-1a hash of all bytes before it. Numbers
-// are little-endian; lists start with their length as 32 bits.
+// are little-endian; lists start with their length in 32 bits.
 constexpr std::string_view kMark = "occlrec4";
 
 using Bytes = std::string;
@@ -48,7 +48,7 @@ public:
     }
 };
 
-/// Reads numbers until the bytes end or make no sense; then it has failed and reads zeros.
+/// Reads numbers until the bytes end or are invalid; after that it has failed and reads zeros.
 class Reader {
 public:
     explicit Reader(std::string_view bytes)
@@ -74,7 +74,7 @@ public:
         uint64_t count = 0;
         number(count, 4);
         values.clear();
-        // One by one: a wrong count ends at the end of the bytes, not of the memory.
+        // Grows one by one, so that a wrong count ends with the bytes and not with the memory.
         for (uint64_t i = 0; !failed && i < count; ++i) {
             transfer_one(values.emplace_back());
         }
@@ -328,7 +328,7 @@ Result<Recording> load_recording(std::istream& in)
     };
     constexpr size_t kChecksumSize = 8;
     if (!bytes.starts_with(kMark) || bytes.size() < kMark.size() + kChecksumSize) {
-        return broken("does not start as a recording of this version does");
+        return broken("does not start like a recording of this version");
     }
     const std::string_view body{bytes.data(), bytes.size() - kChecksumSize};
     Reader checksum_reader{std::string_view{bytes}.substr(body.size())};
@@ -347,7 +347,7 @@ Result<Recording> load_recording(std::istream& in)
         transfer_new_caps(archive, call);
     });
     if (reader.failed || !reader.at_end()) {
-        return broken("holds calls that make no sense");
+        return broken("holds invalid calls");
     }
     return recording;
 }

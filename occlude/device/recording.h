@@ -1,4 +1,4 @@
-// What was said to a device and what it answered, call by call, and its binary form.
+// The calls of a device and their answers, and their binary form.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -18,16 +18,16 @@ struct RecordedBox {
     NodeId subject;
 };
 
-/// One call of a verb; only the fields that the verb has are filled. Tests are numbered in the
-/// order they were issued, whatever their tickets.
+/// One call of a verb; only the fields of that verb are filled. Tests are numbered in the order in
+/// which they were issued, independent of their tickets.
 struct RecordedCall {
     static constexpr uint32_t kNoTest = 0xffffffffu; ///< an invalid, spent or foreign ticket
 
-    // What was asked.
+    // The input.
     DeviceVerb verb = DeviceVerb::flush;
     DrawPass pass = DrawPass::shade;
     TestMethod method = TestMethod::automatic;
-    glm::mat4 clip_from_world{0.0f}; ///< these six are what a View is made of
+    glm::mat4 clip_from_world{0.0f}; ///< these six fields make a View
     glm::dmat4 clip_from_relative{0.0};
     glm::dvec3 origin{0.0};
     glm::ivec2 size_px{0};
@@ -40,18 +40,18 @@ struct RecordedCall {
     PixelRect rect;
     int tile_px = 0;
 
-    // What came back.
-    std::vector<uint32_t> issued_tests; ///< kNoTest where the ticket was invalid
+    // The output.
+    std::vector<uint32_t> issued_tests; ///< kNoTest if the ticket was invalid
     Answer answer;
     std::vector<float> depth;           ///< empty if it could not be read
     std::optional<DeviceCaps> new_caps; ///< by begin_frame, if it changed them
 };
 
 struct Recording {
-    DeviceCaps caps; ///< before the first frame; a device may change them at begin_frame
+    DeviceCaps caps; ///< before the first frame; a device may change its caps in begin_frame
     std::vector<RecordedCall> calls;
 
-    /// A hash of the calls and what came back, the same on every machine. Caps do not count: they
+    /// A hash of the calls and their answers, the same on every machine. Leaves out caps, which
     /// hold names and costs.
     uint64_t hash() const;
 };
@@ -59,7 +59,8 @@ struct Recording {
 /// Writes a compact binary form; returns its size in bytes. Error: the stream failed.
 Result<size_t> save_recording(const Recording& recording, std::ostream& out);
 
-/// Reads what save_recording wrote. Error: it is cut off, changed, or no recording.
+/// Reads a recording that save_recording() wrote. Error: it is cut off, changed, or not a
+/// recording.
 Result<Recording> load_recording(std::istream& in);
 
 } // namespace occlude

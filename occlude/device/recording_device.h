@@ -1,5 +1,5 @@
-// Records everything that is said to a device and what it answers: a run on real hardware becomes a
-// test that needs none (replay_device.h).
+// Records all calls to a device and its answers, so that a run on real hardware becomes a test that
+// needs none (replay_device.h).
 #pragma once
 
 #include <occlude/device/forwarding_device.h>
@@ -12,7 +12,7 @@ namespace occlude {
 
 class RecordingDevice final : public ForwardingDevice {
 public:
-    /// Keeps a reference: `inner` outlives this device. Tickets pass through unchanged.
+    /// Keeps a reference: `inner` must outlive this device. Tickets pass through unchanged.
     explicit RecordingDevice(QueryDevice& inner);
 
     const Recording& recording() const { return recording_; }

@@ -1,4 +1,4 @@
-// Answers from a recording: a run on real hardware, repeated without it.
+// Repeats a run on real hardware without it, by answering from a recording.
 #pragma once
 
 #include <occlude/core/ticket_table.h>
@@ -8,8 +8,8 @@
 
 namespace occlude {
 
-/// Answers from a recording as long as the calls are the recorded ones, in the same order. From the
-/// first difference on every answer is lost, and depth cannot be read.
+/// Answers from a recording while the calls are the recorded ones, in the same order. After the
+/// first difference every answer is lost, and depth cannot be read.
 class ReplayDevice final : public QueryDevice {
 public:
     explicit ReplayDevice(Recording recording)
@@ -18,9 +18,9 @@ public:
     {
     }
 
-    /// What differed first, as a sentence; empty if nothing has.
+    /// The first difference as a sentence; empty if there is none.
     const std::string& mismatch() const { return mismatch_; }
-    /// True if every recorded call was made, and no other.
+    /// True if exactly the recorded calls were made.
     bool complete() const { return mismatch_.empty() && next_ == recording_.calls.size(); }
 
     const DeviceCaps& caps() const override { return caps_; }

@@ -1,10 +1,10 @@
-// A QueryDevice that draws nothing and answers from a script, with any latency: what an algorithm
-// does with given answers can be worked out by hand and compared, verb by verb, as text.
+// A QueryDevice that draws nothing and answers from a script, with any latency. So the behaviour of
+// an algorithm for given answers can be worked out by hand and compared, verb by verb, as text.
 //
-// Time is counted in polls. Every poll(), of whichever ticket, moves the clock of all pending tests
-// on by one, so that a test completes behind the back of a traversal that polls another one, and
-// tests with different latencies complete out of order. A test of latency n is pending for the
-// first n polls after it was issued, whosever they were, and then stays ready.
+// Time is counted in polls. Every poll(), of any ticket, advances the clock of all pending tests by
+// one. So a test can complete while a traversal polls another one, and tests with different
+// latencies complete out of order. A test of latency n is pending for the first n polls after it
+// was issued, of whichever ticket, and is then ready for good.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -17,12 +17,13 @@
 
 namespace occlude {
 
-/// When, and whether, a test is answered.
+/// Whether a test is answered, and when.
 struct Latency {
     enum class Fate : uint8_t {
-        answered, ///< ready after `polls` polls and `frames` frames; wait() gets it at any time
-        never,    ///< poll() answers pending for ever; wait() gets it
-        lost,     ///< as `answered`, but the answer is "lost", from wait() too
+        answered, ///< ready after `polls` polls and `frames` frames; wait() gets the answer at any
+                  ///< time
+        never,    ///< poll() answers pending for ever; wait() gets the answer
+        lost,     ///< like `answered`, but the answer is lost, also from wait()
     };
 
     uint32_t polls = 0;  ///< polls of any ticket since the test was issued
@@ -35,14 +36,15 @@ struct Latency {
     static Latency lost(uint32_t polls = 0) { return {polls, 0, Fate::lost}; }
 };
 
-/// Samples of the union of the boxes of one test. Called when the test is issued, so it may look at
-/// ScriptedDevice::items_drawn_this_frame().
+/// The samples of the union of the boxes of one test. Called when the test is issued, so that it
+/// can look at ScriptedDevice::items_drawn_this_frame().
 using BoxScript = std::function<uint64_t(std::span<const QueryBox>)>;
 
-/// Answers by subject: `samples` if the subject of any box of the test is in `visible`, else 0.
+/// Answers by subject: `samples` if `visible` has the subject of any box of the test, else 0.
 BoxScript visible_subjects(std::vector<NodeId> visible, uint64_t samples = 1000);
 
-/// What a ScriptedDevice can and will do. An empty function has the default beside it.
+/// The capabilities and answers of a ScriptedDevice. An empty function has the default named beside
+/// it.
 struct DeviceScript {
     BoxScript boxes = {};                                                ///< everything is visible
     std::function<uint64_t(std::span<const ItemId>)> items = {};         ///< 1000 samples per item
@@ -56,7 +58,7 @@ class ScriptedDevice final : public QueryDevice {
 public:
     using Verb = DeviceVerb;
 
-    /// One call. Only the fields that the verb has are filled.
+    /// One call. Only the fields of that verb are filled.
     struct Event {
         uint64_t frame = 0; ///< counts begin_frame() from 0
         Verb verb = Verb::flush;
@@ -76,7 +78,7 @@ public:
     {
     }
 
-    /// The script; it may be changed at any time and holds for tests issued from then on.
+    /// The script. It may be changed at any time, and applies to tests issued after that.
     DeviceScript& script() { return script_; }
 
     const DeviceCaps& caps() const override { return script_.caps; }
@@ -89,7 +91,7 @@ public:
     void flush() override;
     Answer poll(Ticket ticket) override;
 
-    /// Without caps().same_frame_results, waiting in the frame that asked answers lost.
+    /// Without caps().same_frame_results, waiting in the frame of the test answers lost.
     Answer wait(Ticket ticket) override;
     bool read_depth(const PixelRect& rect, std::span<float> out) override;
     bool read_depth_tiles(int tile_px, std::span<float> out) override;
@@ -98,7 +100,7 @@ public:
     const std::vector<Event>& trace() const { return trace_; }
     void clear_trace() { trace_.clear(); }
 
-    /// The trace, one line a call. Tests are named by the subjects of their boxes, those of
+    /// The trace, one line per call. Tests are named by the subjects of their boxes, tests of
     /// draw_and_query by their items; "?" is an unknown subject or ticket.
     ///
     ///   frame 0
@@ -115,10 +117,10 @@ public:
     /// The lines of one frame, without "frame" and "end".
     std::string frame_text(uint64_t frame) const;
 
-    /// Items drawn since begin_frame(), in draw order; an item that comes in two passes is twice.
+    /// The items drawn since begin_frame(), in draw order. An item drawn in two passes comes twice.
     std::span<const ItemId> items_drawn_this_frame() const { return drawn_; }
 
-    /// Tickets that were given out and are unspent.
+    /// How many tickets were given out and are unspent.
     uint32_t outstanding() const { return tests_.size(); }
 
 private:

@@ -14,15 +14,16 @@ namespace occlude::detail {
 namespace {
 
 // A pixel counts as shown only if its depth is farther than the box by this share of the depth
-// range: the device computes the box's depth in another order.
+// range, because the device computes the box's depth in another order.
 constexpr double kDepthSlop = 1e-4;
 // ... and only if it lies inside the box's outline by this many pixels.
 constexpr double kOutlineSlopPx = 0.125;
-// In units of what View::clip_rounding() allows a device in one coordinate of a corner.
+// In units of the rounding that View::clip_rounding() allows a device in one coordinate of a
+// corner.
 constexpr float kRoundings = 4.0f;
 
 // The convex outline of a box on the target, in pixels, and its farthest window depth. Both slops
-// grow with what a device that computes in float cannot know about corners far from the origin.
+// grow with the rounding of corners far from the origin on a device that computes in float.
 struct Outline {
     std::vector<glm::dvec2> corners_px; ///< counter-clockwise; empty if nothing is sure
     double farthest01 = 0.0;
@@ -57,8 +58,9 @@ std::vector<glm::dvec2> convex_hull(std::array<glm::dvec2, 8> points)
     return hull;
 }
 
-// How far the terms of a corner's position reach that a device rounds, along each axis of the world
-// and relative to the view's origin: the position itself, or the products of a box's own map.
+// How far the terms that a device rounds in a corner's position reach, along each axis of the world
+// and relative to the view's origin. The terms are the position itself, or the products of a box's
+// own map.
 glm::dvec3 reach_of(const QueryBox& box, const glm::dmat4& relative_from_box,
                     const glm::dvec4& corner)
 {

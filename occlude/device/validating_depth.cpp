@@ -1,4 +1,4 @@
-// What a ValidatingDevice says of depth that is read.
+// The checks of a ValidatingDevice on depth that is read.
 #include <occlude/device/validating_device.h>
 
 #include <occlude/screen/depth_tiles.h>
@@ -61,7 +61,7 @@ bool ValidatingDevice::read_depth_tiles(int tile_px, std::span<float> out)
     return true;
 }
 
-// A tile that is nearer than one of its pixels hides what that pixel shows.
+// A tile that is nearer than one of its pixels hides things that this pixel shows.
 void ValidatingDevice::check_tiles(int tile_px, std::span<const float> tiles) const
 {
     const std::vector<float> pixels = depth();

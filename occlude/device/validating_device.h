@@ -1,27 +1,29 @@
-// Asserts the contract of core/query_device.h, line by line, on both sides: what the caller asks,
-// and what the device answers.
+// Asserts the contract of core/query_device.h, line by line, on both sides: the requests of the
+// caller and the answers of the device.
 //
 //   C1            frames nest, or a verb comes outside of a frame
 //   C2, C3, C4    only with DepthChecks::around_batches, from depth read before and after: a test
-//                 counts no sample although a pixel deep inside a box shows farther depth; named C2
-//                 if something was drawn since, which the test may have seen. A batch changed
-//                 depth. (Colour cannot be read.)
+//                 counts no sample although a pixel deep inside a box shows farther depth. This is
+//                 named C2 if something was drawn in between, which the test may have seen. Or a
+//                 batch changed depth. (Colour cannot be read.)
 //   C3            likewise: a tile of depth is nearer than one of its pixels
-//   C5            a box is unbounded or touches the near rectangle, as it is handed to the device,
-//                 so after inflation. A box with a transform is blamed only if it touches both as
+//   C5            a box is unbounded or touches the near rectangle, after inflation, as it is
+//                 handed to the device. A box with a transform breaks C5 only if it touches both as
 //                 an AABB in world space and exactly, in its own space.
 //   C6            a test without boxes; ends that do not ascend or do not cover all boxes. Such a
 //                 batch does not reach the device: its tickets are invalid.
 //   C7            a spent or foreign ticket is asked again, or is not answered as lost; a ticket is
 //                 given out again. Asking an invalid ticket is fine: it was lost from the start.
 //   C8            a lost or pending answer that does not read as visible
-//   C9            wait() answers pending. (That poll() never blocks cannot be seen.)
+//   C9            wait() answers pending. (It cannot be seen whether poll() blocks.)
 //   C10           an item twice in one pass of a frame
-//   C11           more tests than caps.max_outstanding would be unspent
+//   C11           more than caps.max_outstanding tests would be unspent
 //   C12           the device gives an unspent ticket of an earlier frame to another test
 //   methods       a batch names a test method that caps.methods does not list
-//   passes        shade_equal without depth_only before it, or depth_only that nobody shaded
-//   precondition  a verb's own: sizes of spans, rectangles inside the target, valid items; or depth
+//   passes        shade_equal without depth_only before it, or depth_only without shade_equal after
+//                 it
+//   precondition  of a verb: sizes of spans, rectangles inside the target, valid items; or depth
+//                 was read outside of 0..1
 //                 read outside of 0..1
 #pragma once
 
@@ -41,16 +43,17 @@ class ValidatingDevice final : public ForwardingDevice {
 public:
     enum class DepthChecks : uint8_t {
         off,
-        around_batches, ///< reads all depth twice a batch: slow; needs caps().read_depth
+        around_batches, ///< reads all depth twice per batch: slow; needs caps().read_depth
     };
 
     struct Options {
-        /// Default: the assert handler (set_assert_handler), in release builds too.
+        /// The receiver of violations. Default: the assert handler (set_assert_handler), also in
+        /// release builds.
         ViolationHandler on_violation = {};
         DepthChecks depth_checks = DepthChecks::off;
     };
 
-    /// Keeps a reference: `inner` outlives this device. Tickets pass through unchanged.
+    /// Keeps a reference: `inner` must outlive this device. Tickets pass through unchanged.
     explicit ValidatingDevice(QueryDevice& inner)
         : ValidatingDevice(inner, Options{})
     {

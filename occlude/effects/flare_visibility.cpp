@@ -15,11 +15,12 @@ namespace occlude {
 namespace {
 
 constexpr float kSmallestRadius = 0.75f; // a circle of sqrt(1/2) holds a pixel centre anywhere
-// Window depth of lights at infinity, from the far end: behind all geometry, and still before the
-// far plane in a float or 24-bit depth buffer.
+// Window depth of lights at infinity, measured from the far end: behind all geometry, and still
+// before the far plane in a float or 24-bit depth buffer.
 constexpr double kBehindAll = 0x1p-22;
 
-// Where a light is: on the screen in pixels, and in depth as the value of one row of the matrix.
+// The place of a light: on the screen in pixels, and in depth as the value of one row of the
+// matrix.
 struct Place {
     glm::dvec2 center_px{0.0};
     double depth = 0.0; ///< clip w, or clip z when orthographic
@@ -34,7 +35,7 @@ double farthest_ndc(ClipConvention convention)
     return reversed ? low + inward : 1.0 - inward;
 }
 
-// Relative to the view's origin: float would not do far from the world's.
+// Relative to the view's origin, because float would not suffice far from the world's.
 glm::dvec3 relative_position(const View& view, const glm::vec4& position)
 {
     return glm::dvec3{position} / double{position.w} - view.origin();
@@ -108,7 +109,7 @@ glm::mat4 world_from_pixels(const View& view, const Place& place)
                      glm::vec4{glm::vec3{center + view.origin()}, 1.0f}};
 }
 
-// How many pixel centres lie in [low, high].
+// The number of pixel centres in [low, high].
 double centers_between(double low, double high)
 {
     return std::max(std::floor(high - 0.5) - std::ceil(low - 0.5) + 1.0, 0.0);
@@ -119,7 +120,7 @@ double centers_between(double low, double high)
 float flare_radius_px(const View& view, const glm::vec3& position_world, float radius_world,
                       float smallest, float largest)
 {
-    OCCLUDE_ASSERT(radius_world >= 0.0f, "the radius of a light's ball is not negative");
+    OCCLUDE_ASSERT(radius_world >= 0.0f, "the radius of a light's ball must not be negative");
     OCCLUDE_ASSERT(smallest <= largest, "the smallest radius of a flare is above its largest");
     const glm::dmat4 rows = glm::transpose(view.clip_from_relative());
     const double w = glm::dot(rows[3], glm::dvec4{glm::dvec3{position_world} - view.origin(), 1.0});
@@ -202,7 +203,7 @@ void FlareVisibility::reset()
         light = {.light = light.light};
     }
     for (Measurement& measurement : measurements_) {
-        measurement.disc.on_screen = -1.0; // on its way, and of no use any more
+        measurement.disc.on_screen = -1.0; // pending, but not needed any more
     }
 }
 
@@ -217,7 +218,7 @@ void FlareVisibility::finish_measurement(Light& light, const Measurement& measur
         const Answer& test = measurement.test_answer;
         const Answer& reference = measurement.reference_answer;
         if (test.state != AnswerState::ready || reference.state != AnswerState::ready) {
-            return; // nothing new is known
+            return; // no new information
         }
         seen = reference.samples == 0
                    ? 0.0
@@ -230,7 +231,7 @@ void FlareVisibility::finish_measurement(Light& light, const Measurement& measur
     }
 }
 
-// Reads what is there; all of it or nothing counts, so that lights agree.
+// Reads the answers that have arrived. Uses all of a frame or none, so that lights agree.
 void FlareVisibility::collect(QueryDevice& device)
 {
     const bool waits = frame_ + 1 - issued_frame_ >= options_.max_latency;
@@ -266,7 +267,7 @@ void FlareVisibility::fade(double elapsed)
     }
 }
 
-// One test per light that needs one. False if none does.
+// Issues one test per light that needs one. False if no light does.
 bool FlareVisibility::collect_boxes()
 {
     boxes_.clear();
@@ -307,7 +308,7 @@ void FlareVisibility::begin_frame(const View& view, QueryDevice& device)
 
     measures_this_frame_ = measurements_.empty() && !lights_.empty();
     if (!measures_this_frame_) {
-        return; // the last answers are still on their way
+        return; // the last answers are still pending
     }
     issued_frame_ = frame_;
     for (const Light& light : lights_) {

@@ -18,7 +18,7 @@ uint32_t choose_level_of_detail(uint64_t pixels, std::span<const uint64_t> thres
     uint32_t level = std::min(current, count);
     const auto pixel_count = static_cast<double>(pixels);
     const auto threshold = [&](uint32_t i) { return static_cast<double>(thresholds[i]); };
-    // Finer while the next finer level's threshold is well passed, else coarser likewise.
+    // Goes finer while the next finer threshold is clearly passed; otherwise coarser likewise.
     while (level > 0 && pixel_count >= threshold(level - 1) * (1.0 + double{hysteresis})) {
         --level;
     }

@@ -14,7 +14,7 @@ namespace occlude {
 using detail::merged_box;
 using detail::triangle_sum;
 
-// Never decides anything but "changed", so a process-wide counter costs no determinism.
+// It is only compared for equality, so that a process-wide counter does not affect determinism.
 static uint64_t next_structure_version()
 {
     static std::atomic<uint64_t> last{0};
@@ -137,7 +137,7 @@ bool Hierarchy::take_bounds(ItemPosition at, std::span<const ItemBounds> bounds_
 {
     ItemBounds& item = item_bounds_[at.value];
     const bool known = items_[at.value].value < bounds_by_item.size();
-    OCCLUDE_ASSERT(known, "refit() needs the bounds of every item that it is to look at");
+    OCCLUDE_ASSERT(known, "refit() needs the bounds of every item that it updates");
     if (!known) {
         item.box = Aabb::everything();
         return false;
@@ -157,7 +157,7 @@ void Hierarchy::refit(std::span<const ItemBounds> bounds_by_item)
     if (flags_changed) {
         collect_flagged();
     }
-    object_nodes_ = {}; // nobody said how the objects moved
+    object_nodes_ = {}; // the caller does not say how the objects moved
     refit_nodes();
     OCCLUDE_VALIDATE(validate(*this));
 }
@@ -199,7 +199,7 @@ void Hierarchy::refit(std::span<const ItemId> moved, std::span<const ItemBounds>
     for (const ItemId item : moved) {
         const bool indexed = item.value < positions_.of_item.size();
         const ItemPosition at = indexed ? positions_.of_item[item.value] : ItemPosition{};
-        OCCLUDE_ASSERT(at.valid(), "a moved item is one of the hierarchy's");
+        OCCLUDE_ASSERT(at.valid(), "a moved item must be in the hierarchy");
         if (at.valid()) {
             flags_changed = take_bounds(at, bounds_by_item) || flags_changed;
             mark(positions_.owner_of[at.value]);

@@ -26,13 +26,14 @@
 
 namespace occlude {
 
-/// How an item takes part in culling. CullFrame sees to it, for every algorithm alike.
+/// How an item takes part in culling. CullFrame applies this, the same way for every algorithm.
 enum class ItemFlags : uint8_t {
     none = 0,
-    never_cull = 1,    ///< always drawn, first of all; unless its box is empty
+    never_cull = 1,    ///< always drawn, before everything else, unless its box is empty
     never_occlude = 2, ///< drawn after all tests: hides nothing
     translucent = 4,   ///< occludee only, drawn last, back to front
-    alpha_tested = 8,  ///< drawn with its test, occludes what it covers
+    alpha_tested = 8,  ///< alpha-tested: drawn with its test, and occludes the pixels that it
+                       ///< covers
 };
 constexpr ItemFlags operator|(ItemFlags a, ItemFlags b)
 {
@@ -42,11 +43,11 @@ constexpr bool has_flag(ItemFlags flags, ItemFlags flag)
 {
     return (static_cast<uint8_t>(flags) & static_cast<uint8_t>(flag)) != 0;
 }
-/// The flags of items that are not drawn when and where an algorithm says.
+/// The flags of items whose drawing an algorithm does not decide.
 inline constexpr ItemFlags kDrawnOutOfTurn =
     ItemFlags::never_cull | ItemFlags::never_occlude | ItemFlags::translucent;
 
-/// What a builder needs to know of one item.
+/// Everything that a builder needs to know of one item.
 struct ItemBounds {
     Aabb box; ///< world space
     uint32_t triangles = 0;
@@ -61,8 +62,9 @@ struct Node {
     uint32_t first_item = 0; ///< into Hierarchy::items()
     uint32_t own_items = 0;
     uint32_t subtree_items = 0;
-    uint32_t subtree_triangles = 0; ///< stops at the largest number there is
-    uint32_t leaf = 0;              ///< 1 for real and virtual leaves: nothing below is walked
+    uint32_t subtree_triangles = 0; ///< clamped to the largest number that fits
+    uint32_t leaf = 0;              ///< 1 for real and virtual leaves, below which nothing is
+                                    ///< walked
 };
 static_assert(sizeof(Node) == 56);
 
@@ -73,7 +75,7 @@ public:
     Hierarchy() = default;
     Hierarchy(const Hierarchy&) = default;
     Hierarchy& operator=(const Hierarchy&) = default;
-    /// Leaves `from` empty, with moved_from() true. Cullers keep a reference to their hierarchy:
+    /// Leaves `from` empty, with moved_from() true. Cullers keep a reference to their hierarchy, so
     /// move it before they are made.
     Hierarchy(Hierarchy&& from) noexcept { *this = std::move(from); }
     Hierarchy& operator=(Hierarchy&& from) noexcept;
@@ -105,23 +107,23 @@ public:
     /// number of items.
     ItemId item(ItemPosition at) const
     {
-        OCCLUDE_ASSERT(at.value < items_.size(), "a position of another tree");
+        OCCLUDE_ASSERT(at.value < items_.size(), "the position belongs to another tree");
         return items_[at.value];
     }
     const ItemBounds& item_bounds(ItemPosition at) const
     {
-        OCCLUDE_ASSERT(at.value < item_bounds_.size(), "a position of another tree");
+        OCCLUDE_ASSERT(at.value < item_bounds_.size(), "the position belongs to another tree");
         return item_bounds_[at.value];
     }
 
-    /// An item with one of kDrawnOutOfTurn.
+    /// True if an item has one of the flags kDrawnOutOfTurn.
     struct FlaggedItem {
         ItemId item;
         ItemPosition position;
 
         auto operator<=>(const FlaggedItem&) const = default;
     };
-    /// These items by ascending id. Mostly none.
+    /// These items by ascending id. Usually there are none.
     std::span<const FlaggedItem> flagged_items() const { return flagged_; }
     bool has_flags() const { return !flagged_.empty(); }
 
@@ -129,70 +131,71 @@ public:
     bool is_leaf(NodeId id) const { return node(id).leaf != 0; }
 
     /// Marks as virtual leaf every node whose subtree has at most `triangles` triangles and whose
-    /// parent has more; a node without children always is a leaf. 0 leaves only those. A node that
-    /// is unbounded, or has a child with an empty box, is never a virtual leaf: it would draw what
-    /// its children keep apart. Takes a new structure version. O(nodes).
+    /// parent has more. A node without children is always a leaf; 0 makes only those leaves. A node
+    /// that is unbounded, or has a child with an empty box, is never a virtual leaf, because it
+    /// would draw items that its children keep apart. Takes a new structure version. O(nodes).
     void set_virtual_leaves(uint32_t triangles);
 
     /// Takes new boxes, triangle counts and flags of all items, indexed by ItemId, and refits all
-    /// nodes bottom-up, keeping the structure and the virtual leaves. An item with an empty box is
-    /// never drawn: so objects can vanish, and their ids be given to others, without a new
-    /// structure. An item beyond the end of `bounds_by_item` becomes unbounded and keeps the rest
-    /// (and is a caller's bug). O(items + nodes).
+    /// nodes bottom-up. Keeps the structure and the virtual leaves. An item with an empty box is
+    /// never drawn, so that objects can vanish, and their ids can be reused, without a new
+    /// structure. An item beyond the end of `bounds_by_item` becomes unbounded and keeps its other
+    /// values (this is a caller's bug). O(items + nodes).
     void refit(std::span<const ItemBounds> bounds_by_item);
 
-    /// The same where only the items in `moved` have changed (each of them in the hierarchy; naming
-    /// one twice is harmless): touches these and those of their ancestors that change, and gives
-    /// bit for bit what a full refit gives. Costs more per item than a full refit, so that it pays
-    /// up to some tenth of the items; docs/scale.md has figures. The first call after the structure
-    /// has changed makes an index of 8 bytes per item, O(items). The rest is
-    /// O(moved * depth + nodes / 64). Adds the nodes whose box or sum has changed to `changed`,
-    /// children before their parents.
+    /// The same if only the items in `moved` have changed. Each must be in the hierarchy; naming
+    /// one twice is harmless. Touches these items and those of their ancestors that change, with
+    /// the results of a full refit bit for bit. An item costs more than in a full refit, so that it
+    /// pays up to about a tenth of the items (docs/scale.md). The first call after a change of
+    /// structure makes an index of 8 bytes per item, O(items). The rest is O(moved * depth + nodes
+    /// / 64). Adds the nodes whose box or sum has changed to `changed`, children before their
+    /// parents.
     void refit(std::span<const ItemId> moved, std::span<const ItemBounds> bounds_by_item,
                std::vector<NodeId>* changed = nullptr);
 
-    /// Bytes of nodes, items and bounds, and of what partial refits have added. Counts what is
-    /// used, not what vectors hold in reserve.
+    /// The memory of nodes, items, bounds and the data of partial refits, in bytes. Counts used
+    /// memory, without the reserve of vectors.
     size_t memory_bytes() const;
 
     /// Tighter bounds of some items (item_shapes.h), for the cullers that use them; null: none.
     const ItemShapes* shapes() const { return shapes_; }
-    /// `shapes` must stay where they are, and be in step with the boxes, while cullers walk the
-    /// tree. They outlast a refit, and belong to no new tree.
+    /// `shapes` must keep their address and match the boxes while cullers walk the tree. They
+    /// survive a refit, but a new tree has none.
     void set_shapes(const ItemShapes* shapes) { shapes_ = shapes; }
 
-    /// What the builder knows of the objects that nodes belong to; empty if it knows none, and
-    /// after refit(), because nobody said how the objects moved.
+    /// What the builder knows about the objects of nodes. Empty if it knows none, and after
+    /// refit(), because the caller does not say how the objects moved.
     const ObjectNodes& object_nodes() const { return object_nodes_; }
     /// Precondition: one entry per node in `object`, `box` and `key`. Node ids keep their meaning.
     void set_object_nodes(ObjectNodes nodes);
-    /// Takes it away, to be changed and set again.
+    /// Takes it out, to be changed and set again.
     ObjectNodes take_object_nodes() { return std::exchange(object_nodes_, {}); }
 
-    /// Changes whenever node ids or leaves lose their meaning; no two structures of a process share
-    /// one, while copies do. Cullers drop what they remember when it changes.
+    /// Changes whenever node ids or leaves lose their meaning. Two structures of a process never
+    /// share a version, but copies do. Cullers forget their state when it changes.
     uint64_t structure_version() const { return structure_version_; }
 
-    /// Assembles a hierarchy from the shape that a builder found. The builder delivers of each node
-    /// first_child, child_count, first_item and own_items, laid out as in the picture above, the
-    /// item ids in tree order (each at most once) and the bounds of each, in the same order. All
-    /// else in a node (parent, box, sums, leaf) is derived here and need not be set. No nodes and
-    /// no items make an empty hierarchy. Asserting builds check the layout. O(items + nodes).
+    /// Assembles a hierarchy from the shape that a builder found. For each node, the builder sets
+    /// first_child, child_count, first_item and own_items, laid out as in the picture above. It
+    /// gives the item ids in tree order (each at most once) and their bounds in the same order.
+    /// Everything else in a node (parent, box, sums, leaf) is derived here and need not be set. No
+    /// nodes and no items make an empty hierarchy. Builds with assertions check the layout. O(items
+    /// + nodes).
     static Hierarchy from_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
                                  std::vector<ItemBounds> item_bounds);
-    /// The same of nodes in which all is set already, over boxes none of which is NaN.
+    /// The same for nodes whose fields are all set, over boxes none of which is NaN.
     static Hierarchy from_finished_arrays(std::vector<Node> nodes, std::vector<ItemId> items,
                                           std::vector<ItemBounds> item_bounds);
 
 private:
     static constexpr uint64_t kMovedFrom = ~uint64_t{0};
 
-    /// Where items are, for partial refits.
+    /// An index of items, for partial refits.
     struct PositionIndex {
         std::vector<ItemPosition> of_item; ///< by ItemId; invalid for an item that is not here
-        std::vector<NodeId> owner_of;   ///< by position: the node that has it among its own items
-        std::vector<uint64_t> marked;   ///< a bit per node, all clear between calls
-        uint64_t structure_version = 0; ///< that it was made for; 0: none
+        std::vector<NodeId> owner_of;      ///< by position: the node whose own items include it
+        std::vector<uint64_t> marked;      ///< a bit per node, all clear between calls
+        uint64_t structure_version = 0;    ///< the structure that it was made for; 0: none
     };
 
     void refit_nodes();
@@ -216,8 +219,8 @@ std::string validate(const Hierarchy& hierarchy);
 
 /// The expected cost of a random ray through the tree (surface area heuristic): the sum over nodes
 /// of area(node) / area(scene) * (1 if it has children, + its own items). Virtual leaves count as
-/// what they are, inner nodes. Empty and unbounded boxes are left out: the scene is the box around
-/// the bounded items. If its area is 0 every node counts fully. O(items + nodes).
+/// inner nodes. Empty and unbounded boxes are left out: the scene is the box around the bounded
+/// items. If its area is 0, every node counts fully. O(items + nodes).
 double sah_cost(const Hierarchy& hierarchy);
 
 } // namespace occlude

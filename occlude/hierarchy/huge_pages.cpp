@@ -11,8 +11,9 @@ namespace occlude {
 void detail::prefer_huge_pages([[maybe_unused]] void* data, [[maybe_unused]] size_t bytes)
 {
 #ifdef __linux__
-    // Whole large pages only: the memory beside the array is not ours. A large page has 2 MB on
-    // x86-64, and on ARM with pages of 4 KB. Where it is larger, the advice has no effect.
+    // Only whole large pages, because the memory beside the array is not ours. A large page has 2
+    // MB on x86-64, and on ARM with pages of 4 KB. Where large pages are larger, the advice has no
+    // effect.
     constexpr uintptr_t kPage = uintptr_t{2} << 20;
     const auto begin = reinterpret_cast<uintptr_t>(data);
     const uintptr_t first = (begin + kPage - 1) / kPage * kPage;

@@ -10,7 +10,7 @@ namespace occlude {
 void ItemShapes::place(ItemId item, std::shared_ptr<const Shape> shape,
                        const glm::mat4& world_from_shape)
 {
-    OCCLUDE_ASSERT(item.valid(), "a shape belongs to an item: this id is invalid");
+    OCCLUDE_ASSERT(item.valid(), "the id of the item with the shape is invalid");
     remove(item);
     if (!item.valid() || shape == nullptr || shape->empty()) {
         return;

@@ -1,5 +1,5 @@
-// Tighter bounds than one world box: a few boxes in an object's own space that together hold what
-// an item draws. Optional, item by item; cullers that test against depth ask for them where the
+// Tighter bounds than one world box: a few boxes in an object's own space that together hold
+// everything an item draws. Optional for each item. Cullers that test against depth use them if the
 // world box of an item is not hidden (depth_traversal.h).
 //
 // Implements  D. Sekulic, "Efficient Occlusion Culling", GPU Gems, 2004, ch. 29, section 29.5.1:
@@ -17,13 +17,13 @@
 
 namespace occlude {
 
-/// Boxes in the space of an object: every triangle of an item lies in one of them or in several
-/// together. Empty: nothing is known beyond the item's box. Shared by all items that look alike;
-/// the first ones are tested first.
+/// Boxes in the space of an object: every triangle of an item lies in their union. Empty: nothing
+/// is known beyond the item's box. Items that look alike share one shape. Boxes are tested in their
+/// order.
 using Shape = std::vector<Aabb>;
 
-/// Which items have a shape, and where it stands. Scene keeps one; an engine without a Scene can
-/// keep its own and give it to Hierarchy::set_shapes().
+/// The shapes of items, and their transforms. Scene keeps one; an engine without a Scene can keep
+/// its own and give it to Hierarchy::set_shapes().
 class ItemShapes {
 public:
     struct Placed {
@@ -39,16 +39,17 @@ public:
     }
     bool empty() const { return placed_.size() == free_.size(); }
 
-    /// Gives an item a shape, in place of any that it had; a null or empty one takes it away.
+    /// Gives an item a shape and replaces its former one; a null or empty shape removes it.
     void place(ItemId item, std::shared_ptr<const Shape> shape, const glm::mat4& world_from_shape);
-    /// Where the shape stands now. Nothing for an item without one. Allocates nothing.
+    /// Sets the transform of the item's shape. Does nothing for an item without one. Allocates
+    /// nothing.
     void move(ItemId item, const glm::mat4& world_from_shape);
     void remove(ItemId item);
 
 private:
     static constexpr uint32_t kNone = 0xffffffffu;
 
-    std::vector<uint32_t> slot_of_; ///< by ItemId; no longer than the last item with a shape needs
+    std::vector<uint32_t> slot_of_; ///< by ItemId; ends with the last item that has a shape
     std::vector<Placed> placed_;
     std::vector<uint32_t> free_;
 };

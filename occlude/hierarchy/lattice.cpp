@@ -19,8 +19,8 @@ static glm::uvec3 cells_along(const glm::dvec3& extent, double cube)
 Lattice Lattice::over(const Aabb& box, uint64_t cells)
 {
     Lattice lattice;
-    OCCLUDE_ASSERT(cells > 0, "a lattice has at least one cell");
-    OCCLUDE_ASSERT(box.is_bounded(), "a lattice lies over a bounded box");
+    OCCLUDE_ASSERT(cells > 0, "a lattice needs at least one cell");
+    OCCLUDE_ASSERT(box.is_bounded(), "a lattice needs a bounded box");
     if (!box.is_bounded()) {
         return lattice;
     }
@@ -30,7 +30,7 @@ Lattice Lattice::over(const Aabb& box, uint64_t cells)
     if (longest <= 0.0) {
         return lattice;
     }
-    // Smaller cubes by a tenth each time, until there are enough.
+    // Shrinks the cubes by a tenth each time, until there are enough.
     constexpr double kStep = 0.9;
     double cube = longest;
     lattice.count = cells_along(extent, cube);
@@ -49,7 +49,7 @@ glm::uvec3 Lattice::cell(const glm::vec3& point) const
         const double offset = double{point[axis]} - low[axis];
         const double position = cell_size[axis] > 0.0 ? offset / cell_size[axis] : 0.0;
         const double last = static_cast<double>(count[axis] - 1);
-        OCCLUDE_ASSERT(position == position, "a point has coordinates that are numbers");
+        OCCLUDE_ASSERT(position == position, "a coordinate of the point is NaN");
         cell[axis] = static_cast<uint32_t>(position > 0.0 ? std::min(position, last) : 0.0);
     }
     return cell;

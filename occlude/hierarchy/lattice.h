@@ -1,4 +1,4 @@
-// A lattice of nearly cubic cells over a box: which cell a point is in.
+// A lattice of nearly cubic cells over a box; maps points to cells.
 #pragma once
 
 #include <occlude/core/aabb.h>
@@ -14,12 +14,13 @@ struct Lattice {
     glm::dvec3 cell_size{0.0};
     glm::uvec3 count{1}; ///< cells along each axis
 
-    /// At least `cells` cells, few more, or one where the box is a point. At most kMaxPerAxis along
-    /// each axis. Precondition: `box` is bounded; else one cell around everything.
+    /// At least `cells` cells and few more, at most kMaxPerAxis along each axis; one cell if the
+    /// box is a point. Precondition: `box` is bounded; otherwise there is one cell around
+    /// everything.
     static Lattice over(const Aabb& box, uint64_t cells);
 
-    /// The cell of a point, the nearest one if it is outside. Precondition: no coordinate is NaN;
-    /// else the first cell along that axis.
+    /// The cell of a point, or the nearest cell if the point is outside. Precondition: no
+    /// coordinate is NaN; otherwise the first cell along that axis.
     glm::uvec3 cell(const glm::vec3& point) const;
 
     /// The index of a cell. Precondition: it is less than `count` along each axis.
@@ -32,7 +33,7 @@ struct Lattice {
     /// The cell of an index. Precondition: it is less than cell_count().
     glm::uvec3 at(uint64_t index) const
     {
-        OCCLUDE_ASSERT(index < cell_count(), "an index is one of a cell of the lattice");
+        OCCLUDE_ASSERT(index < cell_count(), "the index is beyond the cells of the lattice");
         return {static_cast<uint32_t>(index % count.x),
                 static_cast<uint32_t>(index / count.x % count.y),
                 static_cast<uint32_t>(index / count.x / count.y)};

@@ -1,5 +1,5 @@
-// What a tree whose builder knows objects says of its nodes beyond their world boxes: which object
-// a node belongs to, the tighter box to test it by, and a key that outlives a new layout.
+// What a builder that knows objects adds to its nodes: the object that a node belongs to, a tighter
+// box to test it by, and a key that survives a new layout.
 #pragma once
 
 #include <occlude/core/aabb.h>
@@ -15,10 +15,10 @@ namespace occlude {
 struct ObjectNodes {
     static constexpr uint32_t kScene = 0xffffffffu; ///< the node belongs to no single object
 
-    /// Where an object stands.
+    /// The transform of an object.
     struct ObjectFrame {
         glm::mat4 world_from_object{1.0f};
-        bool oriented = false; ///< turned or sheared: its boxes are kept in its own space
+        bool oriented = false; ///< rotated or sheared: its boxes are kept in its own space
     };
 
     std::vector<uint32_t> object; ///< per node: an index into `frames`, or kScene

@@ -1,4 +1,4 @@
-// What holds in every tree, checked from the arrays alone, and what a tree is worth.
+// Checks the rules of every tree from its arrays alone, and computes the quality of a tree.
 #include <occlude/hierarchy/detail/box_area.h>
 #include <occlude/hierarchy/detail/node_sums.h>
 #include <occlude/hierarchy/detail/structure.h>
@@ -17,7 +17,7 @@ static std::string sentence(size_t node, const char* what)
     return "node " + std::to_string(node) + " " + what;
 }
 
-// Checks what a builder delivers of one node, and the parents and item sums that follow from it.
+// Checks the fields of one node that a builder sets, and the parents and item sums that follow.
 static std::string check_links(const Hierarchy& hierarchy, size_t id)
 {
     const std::span<const Node> nodes = hierarchy.nodes();
@@ -60,7 +60,7 @@ static std::string check_links(const Hierarchy& hierarchy, size_t id)
 static std::string check_items(const Hierarchy& hierarchy)
 {
     if (hierarchy.items().size() != hierarchy.item_bounds().size()) {
-        return "there are not as many item bounds as items";
+        return "the numbers of items and item bounds differ";
     }
     std::vector<ItemId> sorted(hierarchy.items().begin(), hierarchy.items().end());
     std::sort(sorted.begin(), sorted.end());
@@ -74,7 +74,7 @@ static std::string check_items(const Hierarchy& hierarchy)
     return {};
 }
 
-// The part of validate() that concerns the shape: after it, every range lies within its array.
+// The part of validate() about the shape. If it passes, every range lies within its array.
 std::string detail::check_structure(const Hierarchy& hierarchy)
 {
     if (std::string problem = check_items(hierarchy); !problem.empty()) {

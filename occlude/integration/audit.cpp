@@ -11,7 +11,7 @@ namespace occlude {
 
 namespace {
 
-// Depth is compared with the slack of boxes in tests, and some for the engine's own vertex stream.
+// Depth is compared with the slack of tested boxes, plus some for the engine's own vertex stream.
 constexpr float kDepthSlack = 1e-5f;
 
 struct Pixel {
@@ -19,7 +19,7 @@ struct Pixel {
     float depth = 1.0f;
 };
 
-// What of one item is seen in the frame that was just drawn.
+// The visible part of one item in the frame that was just drawn.
 std::vector<Pixel> seen_pixels(std::span<const float> depths, glm::ivec2 size)
 {
     std::vector<Pixel> seen;
@@ -43,11 +43,12 @@ bool holds(const ScreenBounds& bounds, const Pixel& pixel)
            pixel.depth <= bounds.far_depth + kDepthSlack;
 }
 
-// Another camera than the view's, which may explain what is seen.
+// Another camera than the view's, which may explain what was drawn.
 struct Suspect {
     View view;
     const char* verdict;
-    size_t fitting = 0; ///< items of which all that is seen lies in their boxes in it
+    size_t fitting = 0; ///< number of items whose visible part lies in their boxes under this
+                        ///< camera
 };
 
 std::array<Suspect, 2> suspects(const View& view)
@@ -61,7 +62,7 @@ std::array<Suspect, 2> suspects(const View& view)
               "the matrix of the view is transposed: give View::from_clip clip_from_world with its "
               "translation in the last column, as GLM has it"},
              {View::from_clip(matrix, view.size_px(), range),
-              "the depth range of the view's ClipConvention is the other one: zero_to_one for "
+              "the view's ClipConvention has the wrong depth range: use zero_to_one for "
               "D3D, Vulkan and glClipControl, minus_one_to_one for plain OpenGL"}}};
 }
 
@@ -96,14 +97,14 @@ OutsideItem describe(ItemId item, const ScreenBounds& bounds, std::span<const Pi
     return outside;
 }
 
-// `fitting`: items that fit their boxes in the view as it was given.
+// `fitting`: number of items that fit their boxes in the given view.
 std::string find_verdict(const BoundsAudit& audit, size_t fitting,
                          std::span<const Suspect> suspects)
 {
     if (audit.outside.empty()) {
         return {};
     }
-    // One camera that explains most is more likely than as many wrong boxes.
+    // One camera that explains most items is more likely than that many wrong boxes.
     const auto best = std::ranges::max_element(suspects, {}, &Suspect::fitting);
     if (2 * best->fitting > audit.items_drawn && best->fitting > 2 * fitting) {
         return best->verdict;
@@ -157,7 +158,7 @@ Result<BoundsAudit> audit_item_bounds(QueryDevice& device, const View& view,
         if (!all_in(box)) {
             audit.outside.push_back(describe(item, box, seen));
         }
-        // A box at the near plane may be anywhere, and says nothing of the camera.
+        // A box at the near plane may be anywhere, and proves nothing about the camera.
         fitting += box.valid && all_in(box) ? 1 : 0;
         for (Suspect& other : others) {
             const ScreenBounds there = project(other.view, bounds[i].box);

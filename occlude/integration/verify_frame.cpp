@@ -12,7 +12,7 @@ struct LeftOut {
     uint32_t place = 0; ///< in Hierarchy::items()
 };
 
-// Near to far, so that an item behind another one that is missing, too, is not blamed.
+// Near to far, so that an item behind another missing item is not reported.
 std::vector<LeftOut> left_out_items(const Culler& culler, const View& view)
 {
     const Hierarchy& hierarchy = culler.hierarchy();
@@ -31,7 +31,7 @@ std::vector<LeftOut> left_out_items(const Culler& culler, const View& view)
     return left_out;
 }
 
-// The smallest node around the item for which something was decided that holds for it.
+// The smallest node around the item with a decision that applies to the item.
 MissedItem blame(const Culler& culler, uint32_t place, uint64_t samples)
 {
     const Hierarchy& hierarchy = culler.hierarchy();
@@ -56,11 +56,11 @@ MissedItem blame(const Culler& culler, uint32_t place, uint64_t samples)
     missed.text += missed.node.valid()
                        ? "node " + std::to_string(missed.node.value) + " was decided '" +
                              std::string(to_string(missed.decision)) + "'"
-                       : std::string("no node around it was decided");
+                       : std::string("there was no decision about a node around it");
     return missed;
 }
 
-// Counts what single draws add to the image of a frame.
+// Counts the samples that single draws add to the image of a frame.
 class DrawCounter {
 public:
     DrawCounter(const View& view, QueryDevice& device)
@@ -70,7 +70,7 @@ public:
     {
     }
 
-    /// False if the device lost what was asked.
+    /// False if the device lost the answer.
     bool count(ItemId item, uint64_t& samples)
     {
         if (by_queries_) {

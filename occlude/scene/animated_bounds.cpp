@@ -4,13 +4,13 @@
 
 namespace occlude {
 
-// The box moved by `offset`; empty and unbounded boxes stay what they are.
+// The box moved by `offset`; empty and unbounded boxes stay unchanged.
 static Aabb moved(const Aabb& box, const glm::vec3& offset)
 {
     return box.is_bounded() ? Aabb{box.min + offset, box.max + offset} : box;
 }
 
-// A weight that is no number counts: a box that is too large hides nothing.
+// A weight that is not a number counts, because a box that is too large hides nothing.
 static bool counts(const PlayingAnimation& animation)
 {
     OCCLUDE_ASSERT(animation.weight == animation.weight, "the weight of an animation is a number");

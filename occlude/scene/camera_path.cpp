@@ -35,7 +35,7 @@ glm::vec3 on_curve(std::span<const Keyframe> run, size_t i, float s, const Get& 
 
 float mix_range(float a, float b, float s)
 {
-    // 0 means "chosen from the scene", so it cannot be mixed.
+    // 0 means "chosen from the scene", so it cannot be interpolated.
     return a > 0.0f && b > 0.0f ? a + (b - a) * s : a;
 }
 
@@ -80,7 +80,7 @@ glm::mat4 projection(const Camera& camera, float aspect, ClipConvention conventi
 
 std::vector<Camera> interpolate(std::span<const Keyframe> keys, size_t frame_count)
 {
-    OCCLUDE_ASSERT(!keys.empty(), "a path has at least one key");
+    OCCLUDE_ASSERT(!keys.empty(), "a path needs at least one key");
     if (keys.empty()) {
         return {};
     }

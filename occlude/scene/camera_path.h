@@ -24,11 +24,12 @@ struct Camera {
 struct Keyframe {
     float time = 0.0f; ///< seconds, ascending
     Camera camera;
-    bool cut = false; ///< jump here instead of moving: the frames before stay with the key before
+    bool cut = false; ///< jump here instead of moving: frames before this key keep the camera of
+                      ///< the key before
 };
 
-/// `frame_count` cameras at even times over the keys: eyes and targets on Catmull-Rom curves, so
-/// that the path is smooth; cuts stay cuts. Precondition: keys is not empty.
+/// `frame_count` cameras at even times over the keys. Eyes and targets move on Catmull-Rom curves,
+/// so that the path is smooth; cuts stay cuts. Precondition: `keys` is not empty.
 std::vector<Camera> interpolate(std::span<const Keyframe> keys, size_t frame_count);
 
 /// The view of a camera with a right-handed perspective projection, relative to its eye:

@@ -24,7 +24,7 @@ struct Triangles {
         const glm::vec3& a = positions[indices[3 * size_t{triangle}]];
         const glm::vec3& b = positions[indices[3 * size_t{triangle} + 1]];
         const glm::vec3& c = positions[indices[3 * size_t{triangle} + 2]];
-        const glm::vec3 sum = a + b + c; // NaN if any of them is, which min and max may overlook
+        const glm::vec3 sum = a + b + c; // NaN if any of them is, which min and max may miss
         return sum == sum ? Aabb{glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))}
                           : Aabb::everything();
     }
@@ -43,8 +43,8 @@ int longest_axis(const Triangles& triangles, std::span<const uint32_t> ids)
     return extent.y >= extent.z ? 1 : 2;
 }
 
-/// Where to cut the sorted triangles: the candidate of least area(left) * count(left) +
-/// area(right) * count(right).
+/// The place to divide the sorted triangles: the candidate with the least area(left) * count(left)
+/// + area(right) * count(right).
 size_t best_cut(const Triangles& triangles, std::span<const uint32_t> sorted)
 {
     const auto cut_at = [&](size_t sixteenth) { return sorted.size() * sixteenth / kSixteenths; };
@@ -114,13 +114,13 @@ void split(const Triangles& triangles, std::span<uint32_t> ids, size_t max_trian
 Partition partition_triangles(std::span<const glm::vec3> positions,
                               std::span<const uint32_t> indices, uint32_t max_triangles)
 {
-    OCCLUDE_ASSERT(indices.size() % 3 == 0, "indices come in threes");
-    OCCLUDE_ASSERT(max_triangles > 0, "a part holds at least one triangle");
+    OCCLUDE_ASSERT(indices.size() % 3 == 0, "there must be three indices per triangle");
+    OCCLUDE_ASSERT(max_triangles > 0, "partition_triangles() needs max_triangles > 0");
     Partition out;
     const size_t count = indices.size() / 3;
     const bool inside = std::all_of(indices.begin(), indices.end(),
                                     [&](uint32_t index) { return index < positions.size(); });
-    OCCLUDE_ASSERT(inside, "every index is one of a position");
+    OCCLUDE_ASSERT(inside, "every index must be less than the number of positions");
     if (count == 0 || !inside) {
         return out;
     }
@@ -132,7 +132,7 @@ Partition partition_triangles(std::span<const glm::vec3> positions,
         triangles.centroids.resize(count);
         for (uint32_t i = 0; i < count; ++i) {
             const glm::vec3 center = triangles.box_of(i).center();
-            // NaN has no place in an order; the box of the part still says "everything".
+            // NaN has no place in an order; the box of its part is unbounded.
             const bool ordered = center == center;
             triangles.centroids[i] = ordered ? center : glm::vec3{0.0f};
         }

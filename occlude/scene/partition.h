@@ -23,12 +23,12 @@ struct Partition {
     std::vector<PartitionPart> parts; ///< covers all indices, in order
 };
 
-/// The triangles of `indices` (three per triangle) in parts of at most `max_triangles`: recursive
-/// splits of the triangles' centroids along the longest axis of the centroids' box, at the place
-/// of least surface area heuristic that leaves a quarter or more on either side. Whole triangles
-/// only, so neighbouring parts' boxes may overlap. The same on every machine: ties fall by triangle
-/// number, and within a part triangles keep their order. Preconditions: every index is in
-/// `positions`, max_triangles > 0. Empty for no triangles. O(n log^2 n).
+/// The triangles of `indices` (three per triangle) in parts of at most `max_triangles`. Recursively
+/// divides the triangles' centroids along the longest axis of the centroids' box, where the surface
+/// area heuristic is least and at least a quarter is left on either side. Triangles stay whole, so
+/// boxes of neighbouring parts may overlap. The result is the same on every machine: ties are
+/// broken by triangle number, and within a part triangles keep their order. Preconditions: every
+/// index is in `positions`, max_triangles > 0. Empty for no triangles. O(n log^2 n).
 Partition partition_triangles(std::span<const glm::vec3> positions,
                               std::span<const uint32_t> indices, uint32_t max_triangles);
 

@@ -1,8 +1,8 @@
-// The objects of a scene as culling sees them: transforms, boxes and flags; no meshes.
+// The objects of a scene as culling needs them: transforms, boxes and flags, but no meshes.
 //
-// An *item* is what one draw draws. An *object* has a transform and one or more items: a simple
-// object has one, a complex one is partitioned in space into several. Objects can be added, moved
-// and removed at any time; a removed object's slot is used again under a new generation.
+// An *item* is one draw. An *object* has a transform and one or more items: a simple object has
+// one, a complex one is partitioned in space into several. Objects can be added, moved and removed
+// at any time; the slot of a removed object is reused under a new generation.
 #pragma once
 
 #include <occlude/core/aabb.h>
@@ -23,8 +23,8 @@ struct ItemDesc {
     Aabb local_box; ///< in the space of the object
     uint32_t triangles = 0;
     ItemFlags flags = ItemFlags::none;
-    /// Tighter bounds, in the space of the object as well; null: only the box. Shared by objects
-    /// that look alike.
+    /// Tighter bounds, also in the space of the object; null: only the box. Objects that look alike
+    /// share one.
     std::shared_ptr<const Shape> shape = {};
 };
 
@@ -34,11 +34,11 @@ public:
     /// and are contiguous: first_item(id) and the following ones. O(items).
     ObjectId add(const glm::mat4& world_from_object, std::span<const ItemDesc> items);
 
-    /// Moves an object. False, and nothing happens, for a stale or foreign id. O(items of it).
+    /// Moves an object. Returns false and does nothing for a stale or foreign id. O(its items).
     bool move(ObjectId object, const glm::mat4& world_from_object);
 
-    /// Moves all objects by `offset`: for worlds that take their zero along with the camera.
-    /// Positions are added in double and rounded to float once. O(items).
+    /// Moves all objects by `offset`, for worlds whose zero follows the camera. Positions are added
+    /// in double and rounded to float once. O(items).
     void shift(const glm::dvec3& offset);
 
     /// Removes an object; its id is stale from now on. False for a stale or foreign id.
@@ -50,7 +50,7 @@ public:
     ItemId first_item(ObjectId object) const;
     uint32_t item_count(ObjectId object) const;
     const glm::mat4& world_from_object(ObjectId object) const;
-    /// The object that owns `item` now, or an invalid id if the slot is free.
+    /// The object that owns `item`, or an invalid id if the slot is free.
     ObjectId object_of(ItemId item) const;
 
     /// The box of `item` in the space of its object; meaningless for a free slot. Precondition:
@@ -62,8 +62,8 @@ public:
     std::span<const ItemBounds> item_bounds() const { return bounds_; }
     ItemFlags item_flags(ItemId item) const { return bounds_[item.value].flags; }
 
-    /// The shapes of the items that have one: Hierarchy::set_shapes(&scene.shapes()). They follow
-    /// every add, move and remove, and stay where they are as long as the scene does.
+    /// The shapes of items that have one, for Hierarchy::set_shapes(&scene.shapes()). They follow
+    /// every add, move and remove, and keep their address as long as the scene lives.
     const ItemShapes& shapes() const { return shapes_; }
 
     /// Triangles of all living items.

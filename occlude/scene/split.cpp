@@ -82,13 +82,14 @@ public:
     }
 
 private:
-    /// Where an edge between two points was cut.
+    /// The point at which an edge between two points was cut.
     struct Cut {
         uint32_t point = 0;
-        float share = 0.0f; ///< of the way from the point with the smaller position to the other
+        float share = 0.0f; ///< share of the way from the point with the smaller position to the
+                            ///< other
     };
 
-    // Vertices at the same place are the same point, whatever their normals.
+    // Vertices at the same position are the same point, whatever their normals.
     uint32_t point_at(const glm::vec3& position)
     {
         const auto next = static_cast<uint32_t>(places_.size());
@@ -115,7 +116,7 @@ private:
         return smaller(a, b) ? pair_key(a, b) : pair_key(b, a);
     }
 
-    // Cuts the edge between two points, from the smaller to the larger whoever asks.
+    // Cuts the edge between two points, always from the smaller to the larger.
     void cut_edge(uint32_t a, uint32_t b, const Plane& plane)
     {
         if (smaller(b, a)) {
@@ -165,7 +166,7 @@ private:
         return a != b && b != c && c != a;
     }
 
-    // Appends the triangle, cut wherever one of its edges was cut already.
+    // Appends the triangle, cut at every point where its edges were cut already.
     void close(const Triangle& triangle, std::vector<Triangle>& closed)
     {
         open_.assign(1, triangle);
@@ -207,7 +208,7 @@ private:
         return box;
     }
 
-    // Sends one closed triangle to the sides of a plane, cut in two or three if it straddles it.
+    // Divides one closed triangle by a plane: into two or three pieces if it straddles the plane.
     void clip(const Triangle& t, const Plane& plane, std::vector<Triangle>& low,
               std::vector<Triangle>& high)
     {
@@ -238,8 +239,8 @@ private:
         }
     }
 
-    // Nothing if no plane parts the triangles, or each that does cuts more of them than may be
-    // added.
+    // Nothing if no plane separates the triangles, or if each plane that does would add more
+    // triangles than are allowed.
     std::optional<Plane> choose_plane(std::span<const Triangle> triangles)
     {
         std::vector<Aabb> boxes;
@@ -280,7 +281,7 @@ private:
         const size_t added = pieces > triangles.size() ? pieces - triangles.size() : 0;
         growth_left_ -= std::min<uint64_t>(growth_left_, added);
         triangles = {};
-        if (low.empty() || high.empty()) { // what was there shrank to lines
+        if (low.empty() || high.empty()) { // the pieces shrank to lines
             make_leaf(node, std::move(low.empty() ? high : low));
             return;
         }
@@ -291,7 +292,7 @@ private:
         split(child + 1, std::move(high), depth + 1);
     }
 
-    // Gives every leaf the corners that its neighbours' cuts put on its edges, and writes it out.
+    // Adds the corners that its neighbours' cuts put on its edges to every leaf, and writes it out.
     void emit_parts()
     {
         std::vector<Triangle> closed;
@@ -319,7 +320,7 @@ private:
     }
 
     uint32_t max_triangles_;
-    uint64_t growth_left_ = 0; ///< triangles that may still be added
+    uint64_t growth_left_ = 0; ///< how many triangles may still be added
     SplitMesh out_;
     std::vector<uint32_t> points_;  ///< per vertex: its point
     std::vector<glm::vec3> places_; ///< per point
@@ -337,7 +338,7 @@ SplitMesh split_triangles(std::span<const glm::vec3> positions, std::span<const 
 {
     OCCLUDE_ASSERT(indices.size() % 3 == 0,
                    "split_triangles() needs three indices for each triangle");
-    OCCLUDE_ASSERT(max_triangles > 0, "a part must be allowed to hold at least one triangle");
+    OCCLUDE_ASSERT(max_triangles > 0, "split_triangles() needs max_triangles > 0");
     const bool inside = positions.size() == normals.size() &&
                         std::all_of(indices.begin(), indices.end(),
                                     [&](uint32_t index) { return index < positions.size(); });

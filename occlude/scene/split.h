@@ -12,10 +12,10 @@
 //             edge, on whichever side of whichever plane, gets that point as a corner, bit by bit.
 //             So edges that met before meet afterwards, without T-junctions. Corners keep their
 //             order. Deterministic.
-//             NOT guaranteed is the very same image: a cut triangle's new corners are rounded to
-//             float, and rasterisers snap them. A sample within a rounding of an edge, or a depth
-//             in its last bit, may differ from the uncut mesh. Hence the split mesh replaces the
-//             mesh, for the reference image as for the culled one.
+//             The image is NOT guaranteed to be the same: the new corners of a cut triangle are
+//             rounded to float, and rasterisers snap them. A sample within a rounding of an edge,
+//             or the last bit of a depth, may differ from the uncut mesh. Hence the split mesh
+//             replaces the mesh for the reference image and for the culled one.
 // Cost        O(n log^2 n) for n triangles; 70,000 in about a second.
 #pragma once
 
@@ -34,22 +34,22 @@ namespace occlude {
 constexpr uint32_t kMaxSplitGrowth = 8;
 
 struct SplitMesh {
-    std::vector<glm::vec3> positions; ///< those given, then those of the cuts
-    std::vector<glm::vec3> normals;   ///< one per position; those of the cuts are of length 1
+    std::vector<glm::vec3> positions; ///< the given positions, then those of the cuts
+    std::vector<glm::vec3> normals;   ///< one per position; the normals at cuts have length 1
     std::vector<uint32_t> indices;
     std::vector<PartitionPart> parts; ///< covers all indices, in order
     LocalTree tree;                   ///< the BSP over the parts
-    uint32_t cut_triangles = 0;       ///< how many triangles there are more than before
-    /// Parts that stayed larger than asked because of kMaxSplitGrowth.
+    uint32_t cut_triangles = 0;       ///< how many triangles the cuts added
+    /// How many parts are larger than requested because of kMaxSplitGrowth.
     uint32_t unsplit_parts = 0;
 };
 
 /// The triangles of `indices` (three per triangle), cut into parts of about `max_triangles` at
-/// most: more where no plane makes a part smaller or the mesh would grow beyond kMaxSplitGrowth,
-/// and a few more where a neighbour's cuts added corners. Normals are interpolated along the cut
-/// edges. No plane cuts a triangle with coordinates that are not finite; triangles that shrink to a
-/// line or a point when cut are dropped. Preconditions: every index is in `positions`, as many
-/// normals as positions, max_triangles > 0.
+/// most. A part has more if no plane makes it smaller or the mesh would grow beyond
+/// kMaxSplitGrowth, and a few more if cuts of its neighbours added corners. Normals are
+/// interpolated along cut edges. No plane cuts a triangle with coordinates that are not finite.
+/// Triangles that shrink to a line or a point when cut are dropped. Preconditions: every index is
+/// in `positions`, as many normals as positions, max_triangles > 0.
 SplitMesh split_triangles(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                           std::span<const uint32_t> indices, uint32_t max_triangles);
 

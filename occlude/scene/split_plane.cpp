@@ -11,7 +11,7 @@ namespace {
 
 /// Planes are tried at this many places per axis.
 constexpr size_t kCandidates = 15;
-/// A plane is worth it only if either side has at most this share of the triangles.
+/// A plane is used only if either side has at most this share of the triangles.
 constexpr double kLargestShare = 0.9;
 
 struct Cost {
@@ -19,7 +19,7 @@ struct Cost {
     uint64_t cuts = 0; ///< triangles across the plane
 };
 
-// Without a finite value if a side holds more than `most` triangles.
+// No finite value if a side holds more than `most` triangles.
 Cost cost_of(std::span<const Aabb> boxes, const SplitPlane& plane, double most)
 {
     Cost cost;

@@ -11,12 +11,12 @@
 namespace occlude {
 namespace {
 
-constexpr size_t kSlices = 16; // of the centroids along an axis; planes are between them
+constexpr size_t kSlices = 16; // slices of the centroids along an axis; planes lie between them
 
 // A box counts as thicker by this share of the longest side of the whole mesh.
 constexpr float kThickness = 1.0f / 64.0f;
 
-// Two boxes take the place of one if together they have less than this share of its volume.
+// Two boxes replace one if together they have less than this share of its volume.
 constexpr double kWorthCutting = 0.9;
 
 struct Triangle {
@@ -127,7 +127,7 @@ private:
                 const Triangle& t = triangles_[i];
                 auto slice =
                     std::min(static_cast<size_t>((t.center[axis] - low) / step), kSlices - 1);
-                // As the cut will see it.
+                // As the cut will compute it.
                 slice -= slice > 0 && t.center[axis] < place(slice) ? 1 : 0;
                 slice += slice + 1 < kSlices && t.center[axis] >= place(slice + 1) ? 1 : 0;
                 slices[slice] = merge(slices[slice], t.box);
@@ -153,7 +153,8 @@ private:
         return best;
     }
 
-    // The least volume of what is below a node, in boxes that are worth it; appended to `out`.
+    // The least volume of the subtree of a node, in boxes that are worth it; appends these to
+    // `out`.
     double collect(size_t at, Shape& out) const
     {
         const Node& node = nodes_[at];
@@ -180,10 +181,10 @@ private:
 Shape tight_boxes(std::span<const glm::vec3> positions, std::span<const uint32_t> indices,
                   uint32_t most_boxes)
 {
-    OCCLUDE_ASSERT(indices.size() % 3 == 0, "indices come in threes");
+    OCCLUDE_ASSERT(indices.size() % 3 == 0, "there must be three indices per triangle");
     const bool inside = std::all_of(indices.begin(), indices.end(),
                                     [&](uint32_t index) { return index < positions.size(); });
-    OCCLUDE_ASSERT(inside, "every index is one of a position");
+    OCCLUDE_ASSERT(inside, "every index must be less than the number of positions");
     if (!inside) {
         return {Aabb::everything()};
     }

@@ -20,7 +20,7 @@ void TwoLevelScene::take_over(const Scene& scene)
         const glm::mat4& world_from_object = scene.world_from_object(id);
         if (known.id != id) {
             if (known.id.valid()) {
-                tree_.remove(known.slot); // its slot has another owner now
+                tree_.remove(known.slot); // its slot has a new owner
             }
             boxes_.clear();
             for (uint32_t i = item; i < item + count; ++i) {
@@ -45,7 +45,7 @@ void TwoLevelScene::take_over(const Scene& scene)
     }
 }
 
-// Removes all objects, which another scene had.
+// Removes all objects, because they belong to another scene.
 void TwoLevelScene::forget_objects()
 {
     for (const Known& known : known_) {

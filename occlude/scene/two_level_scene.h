@@ -1,4 +1,4 @@
-// Keeps a two-level tree in step with a scene whose objects come, go and move.
+// Keeps a two-level tree up to date with a scene whose objects come, go and move.
 #pragma once
 
 #include <occlude/hierarchy/builders/two_level.h>
@@ -11,7 +11,7 @@ namespace occlude {
 ///     TwoLevelScene tree;
 ///     every frame:  scene.move(...); tree.sync(scene); culler.cull(view, device);
 ///
-/// with a culler made over tree.hierarchy().
+/// Make the culler over tree.hierarchy().
 class TwoLevelScene {
 public:
     explicit TwoLevelScene(const TwoLevelOptions& options = {})
@@ -19,16 +19,17 @@ public:
     {
     }
 
-    /// Takes over what was added, moved and removed since the last call, and updates the tree. Call
-    /// it once per frame, always with the same scene, which must stay where it is: the tree knows
-    /// its shapes. Nothing moved: O(1), else O(items) and what TwoLevelTree::update() costs.
+    /// Takes over the objects that were added, moved and removed since the last call, and updates
+    /// the tree. Call it once per frame, always with the same scene, which must keep its address
+    /// because the tree refers to its shapes. O(1) if nothing moved, else O(items) plus the cost of
+    /// TwoLevelTree::update().
     void sync(const Scene& scene);
 
     const TwoLevelTree& tree() const { return tree_; }
     const Hierarchy& hierarchy() const { return tree_.hierarchy(); }
 
 private:
-    /// What is known of one object slot of the scene.
+    /// The state of one object slot of the scene.
     struct Known {
         ObjectId id;
         TwoLevelTree::Slot slot = 0;

@@ -1,16 +1,16 @@
-// The projection of boxes, one after the other: the specification of what box_projector_simd.cpp
-// does.
+// The projection of boxes, one after the other. It is the specification of box_projector_simd.cpp.
 //
-// Extremes over a box of x / w, y / w and depth / w are at corners: they are fractions of linear
-// functions with a positive denominator. All is done in float, as a device does it. With u = 2^-24
-// and S the sum of the absolute terms of a coordinate, a device that transforms to world space
-// first is off by up to 8 u S, and the sums here by up to 5 u S; 20 u S are allowed. Since S >= w,
-// what is left pays for the quotient (2 u of it) and for the rounding of the error itself.
+// The extremes of x / w, y / w and depth / w over a box are at its corners, because they are
+// fractions of linear functions with a positive denominator. Everything is computed in float, as on
+// a device. Let u = 2^-24, and S the sum of the absolute terms of a coordinate. A device that
+// transforms to world space first is off by up to 8 u S, and the sums here by up to 5 u S; 20 u S
+// are allowed. Since S >= w, the rest covers the quotient (2 u of it) and the rounding of the error
+// itself.
 //
-// A pixel's sample is at least `sample_inset_px` from its borders, so that the pixels to look at
-// are those that the box reaches when it is less by that on each side. Adding it rounds once more,
-// by u of the sum: of the 14 u |x| + 7 u half_size that are left above (S of x is at least w times
-// both) it takes less than one in seven.
+// A pixel's sample is at least `sample_inset_px` from its borders. So only those pixels must be
+// looked at that the box still reaches when it shrinks by this inset on each side. Adding the inset
+// rounds once more, by u of the sum. That takes less than one seventh of the 14 u |x| + 7 u
+// half_size that are left above (S of x is at least w times both).
 #include <occlude/screen/detail/box_projector.h>
 
 #include <occlude/core/absolute.h>
@@ -27,7 +27,7 @@ namespace occlude {
 
 namespace detail {
 
-// In units of what View::clip_rounding() allows a device, which is 8 u S.
+// In units of the 8 u S that View::clip_rounding() allows a device.
 static constexpr double kSlopOverDevice = 20.0 / 8.0;
 
 static float inset_px(SamplePositions samples)
@@ -41,7 +41,7 @@ static glm::dmat4 magnitude(const glm::dmat4& m)
             detail::absolute(m[3])};
 }
 
-// What View::clip_rounding() says of coordinates, column by column.
+// View::clip_rounding(), column by column.
 static glm::dmat4 rounding_of(const View& view)
 {
     const glm::vec4 constant = view.clip_rounding(glm::vec3{0.0f});
@@ -54,7 +54,7 @@ BoxProjector::BoxProjector(const View& view, SamplePositions samples)
     : inflation(view.inflation())
     , sample_inset_px(inset_px(samples))
 {
-    // Boxes are taken relative to the view's origin rounded to float, which lies beside it.
+    // Boxes are taken relative to the view's origin rounded to float, which lies beside the origin.
     const glm::dvec3 beside = glm::dvec3{inflation.origin} - view.origin();
     glm::dmat4 clip = view.clip_from_relative();
     glm::dmat4 rounding = rounding_of(view);
@@ -86,8 +86,8 @@ BoxProjector BoxProjector::of_tests(const View& view)
     return projector;
 }
 
-// A device goes by way of the world, and so do the terms that it rounds: those of the object's own
-// coordinates and those of its place.
+// A device goes by way of the world, so two more kinds of terms round: the object's own
+// coordinates, and its position.
 void BoxProjector::set_object_columns(const View& view, const glm::mat4& world_from_box)
 {
     const glm::dmat4 map{world_from_box};
@@ -132,7 +132,7 @@ void BoxProjector::set_columns(const View& view, const glm::dmat4& clip, const g
     }
 }
 
-// What is kept of the eight corners of a box; lanes: x px, y px, depth, w.
+// The running extremes of the eight corners of a box; lanes: x px, y px, depth, w.
 struct Corners {
     Float4 least = splat(Aabb::kInfinity); ///< before the division by w
     Float4 nearest = splat(Aabb::kInfinity);
@@ -184,7 +184,7 @@ void BoxProjector::project(const Aabb& box, ScreenBounds& bounds) const
     const Float4 s = lanes(slop[0]) * reach.x + lanes(slop[1]) * reach.y +
                      lanes(slop[2]) * reach.z + lanes(slop[3]);
     const Corners c = all_corners(column, low, high);
-    // Written so that a NaN from overflow says no.
+    // Written so that NaN (from overflow) gives false.
     const bool certain = bits_of(s < kLargestSlop) == 0xfu && c.least[2] > s[2] + least_depth &&
                          c.least[3] > 2.0f * s[3] && c.least[3] > kSmallestW;
     if (!certain) {

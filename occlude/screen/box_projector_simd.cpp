@@ -1,5 +1,5 @@
 // BoxProjector::project for as many boxes at once as a vector has lanes: the same operations in the
-// same order, so that results agree to the bit. Read it beside box_projector.cpp.
+// same order, so that results are equal to the bit. Read it beside box_projector.cpp.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "occlude/screen/box_projector_simd.cpp"
 #include <hwy/foreach_target.h>
@@ -71,7 +71,8 @@ HWY_INLINE V clamp(V v, V low, V high)
 HWY_INLINE Boxes load(const Aabb* boxes)
 {
     static_assert(sizeof(Aabb) == 6 * sizeof(float));
-    // Corners in turn, the minimum of a box and then its maximum: half a vector of boxes per load.
+    // The corners in turn, the minimum of a box and then its maximum: one load holds half a vector
+    // of boxes.
     const size_t lanes = hn::Lanes(kF);
     V3 a, b;
     hn::LoadInterleaved3(kF, &boxes[0].min.x, a.x, a.y, a.z);
@@ -81,7 +82,7 @@ HWY_INLINE Boxes load(const Aabb* boxes)
         {hn::ConcatOdd(kF, b.x, a.x), hn::ConcatOdd(kF, b.y, a.y), hn::ConcatOdd(kF, b.z, a.z)}};
 }
 
-// Aabb::is_empty and Aabb::is_bounded.
+// The same as Aabb::is_empty and Aabb::is_bounded.
 HWY_INLINE void classify(const Boxes& b, M& empty, M& bounded)
 {
     const M below = hn::And(hn::And(hn::Le(b.min.x, b.max.x), hn::Le(b.min.y, b.max.y)),
@@ -99,7 +100,7 @@ HWY_INLINE void classify(const Boxes& b, M& empty, M& bounded)
     bounded = hn::And(below, hn::And(hn::Gt(lowest, hn::Neg(inf)), hn::Lt(highest, inf)));
 }
 
-// The box as seen from `origin`.
+// The box relative to `origin`.
 HWY_INLINE Boxes relative_to(const glm::vec3& origin, const Boxes& b)
 {
     const V3 o{hn::Set(kF, origin.x), hn::Set(kF, origin.y), hn::Set(kF, origin.z)};
@@ -107,7 +108,7 @@ HWY_INLINE Boxes relative_to(const glm::vec3& origin, const Boxes& b)
             {hn::Sub(b.max.x, o.x), hn::Sub(b.max.y, o.y), hn::Sub(b.max.z, o.z)}};
 }
 
-// Inflation::margin, of a box and the same relative to the origin.
+// Inflation::margin of a box, given the box and the same box relative to the origin.
 HWY_INLINE V margin_of(const Inflation& rule, const Boxes& box, const Boxes& b)
 {
     const V3 extent{hn::Sub(box.max.x, box.min.x), hn::Sub(box.max.y, box.min.y),
@@ -126,9 +127,9 @@ HWY_INLINE V margin_of(const Inflation& rule, const Boxes& box, const Boxes& b)
     return hn::Add(hn::Add(pixels, diagonal), hn::Mul(hn::Set(kF, rule.per_coordinate), distance));
 }
 
-// One corner, and what is kept of all of them.
+// One corner, and the running extremes of all corners.
 struct Corners {
-    V4 nearest, farthest; // w: of no meaning
+    V4 nearest, farthest; // w is not used
     V least_z, least_w;
 
     HWY_INLINE void add(const V4& c)
@@ -176,7 +177,7 @@ HWY_INLINE Corners all_corners(const detail::BoxProjector& p, const V3& low, con
     return corners;
 }
 
-// Writes the fields of `known` lanes; others are `empty` or bounded by nothing.
+// Writes the fields of `known` lanes. The others are either `empty` or unknown (all of the target).
 HWY_INLINE void write(const detail::BoxProjector& p, const V3& nearest, const V3& farthest, M known,
                       M empty, detail::BoundsBlock& out, size_t at)
 {

@@ -12,7 +12,7 @@
 
 namespace occlude {
 
-// The farther of two depths, in the form that compiles to one instruction.
+// The farther of two depths, in a form that compiles to one instruction.
 static float farther(float a, float b)
 {
     return a < b ? b : a;
@@ -88,7 +88,7 @@ void DepthPyramid::build(Kernel kernel)
     }
 }
 
-// One texel of a level, cut to `pixels`.
+// One texel of a level, clipped to `pixels`.
 bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
                                float nearest) const
 {
@@ -101,7 +101,7 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRang
                        std::min(high.x, size_px().x - 1) <= pixels.high.x &&
                        std::min(high.y, size_px().y - 1) <= pixels.high.y;
     if (whole || level == base_) {
-        return false; // its farthest pixel is in the rectangle, or may be
+        return false; // its farthest pixel lies, or may lie, in the rectangle
     }
     // A texel of level 0 is one pixel of the rectangle, so that this one has children.
     const int fine = level - 1;
@@ -119,7 +119,7 @@ bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRang
     return true;
 }
 
-// Without a branch: the last row is looked at again where there are less.
+// Without a branch: if there are fewer rows, the last one is read again.
 static detail::Float4 farthest_of_columns(const detail::PyramidLevel& level, const float* texels,
                                           const detail::TexelRange& range)
 {
@@ -168,7 +168,8 @@ bool DepthPyramid::hides(const PixelRect& rect, float nearest, Refinement refine
     return pixels_hide(pixels, nearest);
 }
 
-// Where a coarse test does not hide: first those of its texels that are whole, then texel by texel.
+// Decides where a coarse test does not hide: first by the texels that lie wholly in the rectangle,
+// then texel by texel.
 bool DepthPyramid::pixels_hide(const detail::TexelRange& pixels, float nearest) const
 {
     const int level = std::max(detail::coarse_level(pixels), base_);
@@ -187,7 +188,7 @@ bool DepthPyramid::pixels_hide(const detail::TexelRange& pixels, float nearest) 
     return true;
 }
 
-// One texel of a level, cut to `pixels`, against what of the box is before it.
+// Tests one texel of a level, clipped to `pixels`, against the part of the box before it.
 bool DepthPyramid::texel_hides(int level, glm::ivec2 at, const detail::TexelRange& pixels,
                                const ScreenBox& box, uint32_t& texels_left) const
 {
@@ -223,8 +224,8 @@ bool DepthPyramid::hides_within(const ScreenBox& box, const PixelRect& rect,
     if (!detail::clip(rect, size_px(), pixels)) {
         return true;
     }
-    // A visible box mostly shows in its middle, and one texel is cheap: it comes first. Where the
-    // texel there is a tile, its test fails too if the test of one of its pixels does.
+    // The middle comes first: a visible box mostly shows there, and one texel is cheap. If the
+    // texel is a tile, its test fails whenever the test of one of its pixels would.
     const glm::ivec2 middle = (pixels.low + pixels.high) / 2;
     if (!box.beyond(double{texel(base_, middle.x >> base_, middle.y >> base_)}, middle, middle)) {
         return false;
@@ -245,8 +246,8 @@ bool DepthPyramid::by_vectors(Kernel kernel) const
     return kernel == Kernel::simd && !empty() && levels_.size() <= detail::kMostVectorLevels;
 }
 
-// Coarse tests by vectors. Boxes that they do not hide are put aside without a branch, and tested
-// down to pixels afterwards.
+// Coarse tests by vectors. Boxes that they do not hide are collected without a branch, and are then
+// tested down to pixels.
 void DepthPyramid::block_hides(const detail::BoundsBlock& block, Refinement refinement,
                                std::span<uint8_t> hidden) const
 {
@@ -309,7 +310,7 @@ void DepthPyramid::hides(const View& view, std::span<const Aabb> boxes, Refineme
     const detail::BoxProjector projector{view, SamplePositions::anywhere};
     if (!by_vectors(kernel)) {
         std::array<ScreenBounds, 64>
-            some; // in two loops: a wrong guess in one costs the other nothing
+            some; // two loops, so that mispredictions in one do not slow down the other
         for (size_t first = 0; first < boxes.size(); first += some.size()) {
             const size_t count = std::min(some.size(), boxes.size() - first);
             for (size_t i = 0; i < count; ++i) {

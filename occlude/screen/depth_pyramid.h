@@ -1,5 +1,5 @@
-// A pyramid of farthest depths over a depth buffer that was read back: answers "is every pixel of
-// this rectangle nearer than that?" from a few texels.
+// A pyramid of farthest depths over a depth buffer that was read back. It answers from a few texels
+// whether every pixel of a rectangle is nearer than a given depth.
 //
 // Implements  the z pyramid of N. Greene, M. Kass, G. Miller, "Hierarchical Z-Buffer Visibility",
 //             SIGGRAPH 1993, on the CPU and from a finished depth buffer.
@@ -9,11 +9,11 @@
 //             sizes are rounded down, as the mip levels of a texture are, must read up to 3x3
 //             texels into one at odd sizes, and is wrong (objects vanish) where it reads 2x2;
 //             rounding up needs 2x2 and no rule for edges but "what is not there is not read".
-// Guarantees  Errs toward "not hidden": hides() is never true of a rectangle that has a pixel at
-//             `nearest` or farther. With Refinement::pixels it is exact, or as exact as the
-//             tiles are from which it starts.
-// Cost        build() reads each pixel once and writes a third of that; a query looks at up to 16
-//             texels, and with refinement at few more unless the rectangle's border decides.
+// Guarantees  errs toward "not hidden": hides() is never true for a rectangle that has a pixel at
+//             `nearest` or farther. With Refinement::pixels it is exact, or as exact as the tiles
+//             that it starts from.
+// Cost        build() reads each pixel once and writes a third as many values. A query reads up
+//             to 16 texels, and with refinement few more unless the rectangle's border decides.
 #pragma once
 
 #include <occlude/core/aabb.h>
@@ -50,19 +50,20 @@ public:
     /// asks for one by mistake must not run out of memory.
     static constexpr size_t kMaxPixels = size_t{1} << 28;
 
-    /// Makes room for a target of this size and gives level `base` to be filled, row by row from
-    /// the bottom: window depth, 0 near to 1 far, no NaN; above level 0 the farthest depth of each
-    /// tile of 2^base pixels along a side (QueryDevice::read_depth_tiles). Then call build(). A
-    /// base beyond the last level, that of one texel, means the last. Empty, and so is the pyramid,
-    /// for a target without pixels or of more than kMaxPixels. Precondition: base >= 0.
+    /// Allocates the levels for a target of this size and returns level `base` to be filled, row by
+    /// row from the bottom: window depth, 0 near to 1 far, no NaN. Above level 0, the values are
+    /// the farthest depths of tiles of 2^base pixels along a side (QueryDevice::read_depth_tiles).
+    /// Then call build(). A base beyond the last level, which has one texel, means the last. The
+    /// span and the pyramid are empty for a target without pixels or of more than kMaxPixels.
+    /// Precondition: base >= 0.
     std::span<float> resize(glm::ivec2 size_px, int base = 0);
 
-    /// Makes the coarse levels from the base level.
+    /// Computes the coarse levels from the base level.
     void build(Kernel kernel = Kernel::simd);
 
     bool empty() const { return levels_.empty(); }
     glm::ivec2 size_px() const { return empty() ? glm::ivec2{0} : levels_[0].size; }
-    /// The finest level that is known.
+    /// The finest level that has values.
     int base_level() const { return base_; }
 
     /// True only if every pixel of the target inside `rect` is nearer than `nearest`: then nothing
@@ -70,14 +71,15 @@ public:
     bool hides(const PixelRect& rect, float nearest,
                Refinement refinement = Refinement::pixels) const;
 
-    /// The same of a box instead of its rectangle, as far as at most `most_texels` texels decide
-    /// it: true only if every sample of anything in the box is farther than its pixel. `rect` is
-    /// that of the box's ScreenBounds.
+    /// Like hides(), but tests the box instead of its rectangle, and reads at most `most_texels`
+    /// texels. True only if every sample of anything in the box is farther than its pixel. `rect`
+    /// is the rectangle of the box's ScreenBounds.
     bool hides(const ScreenBox& box, const PixelRect& rect, uint32_t most_texels) const
     {
         return hides_within(box, rect, most_texels);
     }
-    /// ... and takes what it looked at from `texels_left`, which several boxes can share.
+    /// The same, and subtracts the texels that it read from `texels_left`, which several boxes can
+    /// share.
     bool hides_within(const ScreenBox& box, const PixelRect& rect, uint32_t& texels_left) const;
 
     /// Writes 1 to hidden[i] where the bounds are valid and hides(rect, near_depth, refinement),
@@ -85,9 +87,9 @@ public:
     void hides(std::span<const ScreenBounds> bounds, Refinement refinement,
                std::span<uint8_t> hidden, Kernel kernel = Kernel::simd) const;
 
-    /// The same for boxes in the world, none of which needs to be inflated: project_boxes, then the
-    /// comparison. Preconditions: the depth is that of `view`; hidden.size() == boxes.size().
-    /// Nothing is hidden in a view of another size than the pyramid's.
+    /// The same for boxes in the world, which need not be inflated: project_boxes, then the
+    /// comparison. Preconditions: the depth belongs to `view`; hidden.size() == boxes.size(). Hides
+    /// nothing if the view and the pyramid differ in size.
     void hides(const View& view, std::span<const Aabb> boxes, Refinement refinement,
                std::span<uint8_t> hidden, Kernel kernel = Kernel::simd) const;
 
@@ -109,7 +111,7 @@ private:
 
     std::vector<detail::PyramidLevel> levels_;
     int base_ = 0;
-    std::vector<float> texels_; ///< from the base level up, and some that are never looked at
+    std::vector<float> texels_; ///< from the base level up, and padding that is read but never used
 };
 
 } // namespace occlude

@@ -1,7 +1,7 @@
 // The inner loops of DepthPyramid with vectors: rows are reduced a vector at a time. A block of
-// coarse tests goes through three loops without a branch: where the texels are, a vector of boxes
-// at a time; the farthest of each of their four columns, box by box; the answers, a vector of boxes
-// at a time.
+// coarse tests goes through three loops without a branch. The first finds the texels, a vector of
+// boxes at a time. The second finds the farthest depth in each of their four columns, box by box.
+// The third computes the answers, a vector of boxes at a time.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "occlude/screen/depth_pyramid_simd.cpp"
 #include <hwy/foreach_target.h>
@@ -56,7 +56,7 @@ constexpr I kI;
 using VI = hn::Vec<I>;
 using Block = detail::BoundsBlock;
 
-// What the three loops of a coarse test hand on.
+// Intermediate results between the three loops of a coarse test.
 struct Coarse {
     alignas(64) Block::Field<int32_t> level;
     alignas(
@@ -69,14 +69,14 @@ struct Coarse {
 // The pixels of rectangles along one axis: detail::clip.
 struct Pixels {
     VI low;
-    VI count; // none where it is less than 1
+    VI count; // there are none if the count is less than 1
 };
 
 HWY_INLINE Pixels clip(VI from, VI size, VI target)
 {
     const VI zero = hn::Zero(kI);
     const VI low = hn::Max(from, zero);
-    // No overflow where the size is more than 0; what is not, stays so.
+    // Does not overflow if the size is positive; a size that is not positive stays so.
     const VI inside = hn::Min(hn::Add(size, hn::Min(from, zero)), hn::Sub(target, low));
     return {low, hn::Min(size, inside)};
 }
@@ -89,7 +89,7 @@ HWY_INLINE VI level_of_distance(VI pixels)
     return hn::Max(hn::Sub(exponent, hn::Set(kI, 1)), hn::Zero(kI));
 }
 
-// Where the texels of the bounds from `i` on are: detail::coarse_level.
+// The texels of the bounds from `i` on: detail::coarse_level.
 HWY_INLINE void find_texels(glm::ivec2 target, int base, const Block& bounds, size_t i, Coarse& out)
 {
     const VI zero = hn::Zero(kI);
@@ -112,13 +112,13 @@ HWY_INLINE void find_texels(glm::ivec2 target, int base, const Block& bounds, si
     };
     const auto too_many = hn::Gt(hn::Max(texels(low_x, across), texels(low_y, up)), last);
     level = hn::Add(level, hn::IfThenElseZero(too_many, one));
-    const VI rows = texels(low_y, up); // besides the first
+    const VI rows = texels(low_y, up); // in addition to the first
     const VI width = hn::Add(hn::Shr(hn::Set(kI, target.x - 1), level), one);
     hn::Store(level, kI, &out.level[i]);
     hn::Store(texels(low_x, across), kI, &out.last_column[i]);
     VI row = hn::Add(hn::Mul(hn::Shr(low_y, level), width), hn::Shr(low_x, level));
     hn::Store(row, kI, &out.row[0][i]);
-    for (int k = 1; k < detail::kSpan; ++k) { // the last one again where there are less
+    for (int k = 1; k < detail::kSpan; ++k) { // if there are fewer rows, the last one is read again
         row = hn::Add(row, hn::IfThenElseZero(hn::Gt(rows, hn::Set(kI, k - 1)), width));
         hn::Store(row, kI, &out.row[static_cast<size_t>(k)][i]);
     }
@@ -156,8 +156,8 @@ HWY_INLINE void answer(const Coarse& c, size_t i, Block::Field<uint8_t>& hidden)
     hn::StoreU(hn::DemoteTo(bytes, hn::IfThenElseZero(hides, hn::Set(kI, 1))), bytes, &hidden[i]);
 }
 
-// Lanes beyond `count` hold anything: they are clipped as others are, and nobody reads their
-// answers.
+// Lanes beyond `count` hold arbitrary values: they are clipped like the others, and their answers
+// are never read.
 void coarse_hides(std::span<const detail::PyramidLevel> levels, int base, const float* texels,
                   const Block& bounds, size_t count, Block::Field<uint8_t>& hidden)
 {

@@ -7,10 +7,10 @@
 
 namespace occlude {
 
-/// Writes the farthest of the depths of each tile of tile_px x tile_px pixels, tile by tile from
-/// the lower left; tiles at the right and the upper edge are cut off by the target. Preconditions:
-/// tile_px >= 1; one depth >= 0 per pixel of `size_px`, row by row; one value per tile
-/// (tiles_in(), core/tiles.h). About 0.1 ns per pixel.
+/// Writes the farthest depth of each tile of tile_px x tile_px pixels, tile by tile from the lower
+/// left; the right and the upper edge of the target cut tiles off. Preconditions: tile_px >= 1; one
+/// depth >= 0 per pixel of `size_px`, row by row; one value per tile (tiles_in(), core/tiles.h).
+/// About 0.1 ns per pixel.
 void farthest_of_tiles(std::span<const float> depths, glm::ivec2 size_px, int tile_px,
                        std::span<float> tiles);
 

@@ -16,13 +16,13 @@ namespace occlude {
 namespace {
 
 // How far a device may be off in clip coordinates, for points whose coordinates relative to the
-// view's origin are up to `reach`.
+// view's origin are at most `reach`.
 glm::dvec4 clip_slop(const View& view, const glm::dvec3& reach)
 {
     return glm::dvec4{view.clip_rounding(glm::vec3{reach})};
 }
 
-// Makes z run from 0 (near) to w (far) in every convention; `slop` is what clip_slop says of both.
+// Maps z to 0 (near) to w (far) in every convention; `slop` is clip_slop() of z and of w.
 void to_window_z(glm::dvec4& c, glm::dvec4& slop, ClipConvention convention)
 {
     if (convention.range == DepthRange::minus_one_to_one) {
@@ -35,7 +35,7 @@ void to_window_z(glm::dvec4& c, glm::dvec4& slop, ClipConvention convention)
     }
 }
 
-// A clip position on the screen, x, y and window depth, and how far a device may be off.
+// A clip position on the screen: x, y and window depth, and how far a device may be off.
 struct ScreenPoint {
     glm::dvec3 at{0.0};
     glm::dvec3 error{0.0};
@@ -54,7 +54,7 @@ ScreenPoint to_screen(glm::dvec4 c, glm::dvec4 slop, ClipConvention convention)
     return {p, (glm::dvec3{slop} + glm::abs(p) * slop.w) / (c.w - slop.w), true};
 }
 
-// Where normalised x, y at window depth `depth` is in the world; NaN if it is not before the eye.
+// The world position of normalised x, y at window depth `depth`; NaN if it is not before the eye.
 glm::dvec3 unproject(const glm::dmat4& relative_from_clip, const View& view, double x, double y,
                      double depth)
 {
@@ -66,9 +66,9 @@ glm::dvec3 unproject(const glm::dmat4& relative_from_clip, const View& view, dou
                      : glm::dvec3{std::numeric_limits<double>::quiet_NaN()};
 }
 
-// The farthest that a device may draw the unit square under `world_from_unit`, or infinity if its
-// corners do not lie beyond those of the rectangle from `low` to `high` (normalised), by at most
-// `slack`: then it does not cover it, or is not a rectangle on the screen.
+// The farthest depth at which a device may draw the unit square under `world_from_unit`. Infinity
+// if the square does not cover the rectangle from `low` to `high` (normalised), or if its corners
+// lie beyond the rectangle by more than `slack`, or if it is no rectangle on the screen.
 double farthest_if_covering(const View& view, const glm::mat4& world_from_unit,
                             const glm::dvec2& low, const glm::dvec2& high, double slack)
 {
@@ -106,7 +106,7 @@ std::optional<glm::mat4> world_from_rectangle(const View& view, const PixelRect&
     if (!inside) {
         return std::nullopt;
     }
-    // Larger than the pixels by this much, for the snapping of vertices and the rounding here.
+    // The square is larger than the pixels by this much, for vertex snapping and the rounding here.
     constexpr double kOutsetPixels = 1.0 / 8.0;
     const glm::dvec2 size{size_px};
     const glm::dvec2 low = 2.0 * glm::dvec2{rect.x, rect.y} / size - 1.0;
@@ -116,7 +116,7 @@ std::optional<glm::mat4> world_from_rectangle(const View& view, const PixelRect&
     const glm::dvec2 snap = 0.25 * outset; // 1/32 px of it must be left on the device
     const glm::dmat4 relative_from_clip = glm::inverse(view.clip_from_relative());
 
-    // First at the depth asked for; then nearer by what a device may draw that farther.
+    // First at the given depth, then nearer by the amount that a device may draw it too far.
     double at = depth;
     for (int attempt = 0; attempt < 2; ++attempt) {
         const auto corner = [&](double x, double y) {

@@ -1,8 +1,8 @@
-// The test method `pyramid`: tests answered at once, on the CPU, from depth that was read back.
+// The test method `pyramid`: tests answered at once, on the CPU, against depth that was read back.
 //
-// For devices. A test is hidden if all of its boxes are, by their screen rectangles and nearest
-// depths, down to single pixels: rectangles are larger than outlines, so fewer tests are hidden
-// than with queries, and never one that queries see.
+// For devices. A test is hidden if all its boxes are hidden by their screen rectangles and nearest
+// depths, down to single pixels. Rectangles are larger than outlines, so fewer tests are hidden
+// than with queries, and every hidden test would be hidden with queries, too.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -16,18 +16,18 @@ namespace occlude {
 
 class PyramidTests {
 public:
-    /// Makes room for the depth of a target of this size, to be filled as DepthPyramid::resize
-    /// says; then call build().
+    /// Allocates a pyramid for a target of this size and returns the depth to be filled, as
+    /// DepthPyramid::resize does. Then call build().
     std::span<float> resize(glm::ivec2 size_px) { return pyramid_.resize(size_px); }
     void build();
 
-    /// Draws came, or a new frame: the depth is not that of the target any more.
+    /// Tells that draws or a new frame made the depth stale.
     void forget() { fresh_ = false; }
     bool fresh() const { return fresh_; }
 
-    /// Answers test i of the batch in answers[i]: 0 samples or 1, or lost where it has no box or an
-    /// unbounded one. Everything is lost without fresh depth. Precondition: as many answers as
-    /// tests.
+    /// Answers test i of the batch in answers[i]: 0 samples or 1, or lost if the test has no box or
+    /// an unbounded one. All answers are lost if the depth is stale. Precondition: as many answers
+    /// as tests.
     void answer(const View& view, const QueryBatch& batch, std::vector<Answer>& answers);
 
 private:

@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A face seen so edge-on that its depth changes by more than this over the screen bounds nothing:
-// its plane would be a matter of rounding.
+// A face seen so edge-on that its depth changes by more than this over the screen bounds nothing,
+// because rounding would dominate its plane.
 constexpr double kSteepest = 1e7;
 
 } // namespace
@@ -62,10 +62,10 @@ ScreenSpace::ScreenSpace(const View& view, SamplePositions samples)
     origin_ = view.origin();
 }
 
-// With R and t the linear part and the translation of the map, a position relative to the view's
-// origin o is R p + t - o: seen from the object, the origin is R^-1 (o - t). A device goes by way
-// of the world, or multiplies the two maps first: either way the terms that it rounds are products
-// of terms of both.
+// Let R and t be the linear part and the translation of the map. A position relative to the view's
+// origin o is R p + t - o, so that seen from the object the origin is R^-1 (o - t). A device goes
+// by way of the world, or multiplies the two maps first. Either way it rounds products of terms of
+// both.
 ScreenSpace ScreenSpace::in(const glm::mat4& world_from_object, const Inflation& inflation) const
 {
     const glm::dmat3 linear{glm::dmat4{world_from_object}};
@@ -101,7 +101,7 @@ ScreenBox::ScreenBox(const ScreenSpace& screen, const Aabb& box)
     const glm::dvec3 high = glm::dvec3{box.max} - screen.origin_ + margin;
     const glm::dvec2& size = screen.size_px_;
 
-    // What a device may be off by at the nearest point of the box.
+    // The error that a device may make at the nearest point of the box.
     const glm::dvec4 reach{glm::max(detail::absolute(low), detail::absolute(high)), 1.0};
     const auto slop = [&](int row) { return glm::dot(screen.rounding_[row], reach); };
     const glm::dvec4& row_w = screen.screen_rows_[3];

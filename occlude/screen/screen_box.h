@@ -1,4 +1,4 @@
-// A box on the screen, tighter than its rectangle: where its faces are, pixel by pixel.
+// A box on the screen, tighter than its rectangle: the depth of its faces, pixel by pixel.
 //
 //        . . . . . . . .
 //        .     _/\_     .       dots: the rectangle of the box
@@ -32,44 +32,46 @@
 
 namespace occlude {
 
-/// The screen of one view: pixels and window depth (0 near, 1 far in every convention) against the
-/// world, or the space of an object. Made once for all boxes of that space.
+/// The screen of one view, in pixels and window depth (0 near, 1 far in every convention), mapped
+/// to the world or to the space of an object. Made once for all boxes of that space.
 class ScreenSpace {
 public:
     ScreenSpace() = default;
-    /// `view` must be one in which boxes can be tested: project() is valid of some.
+    /// Precondition: boxes can be tested in `view`, so that project() is valid for some box.
     explicit ScreenSpace(const View& view, SamplePositions samples = SamplePositions::anywhere);
 
-    /// The same of the space of an object; `inflation` is Inflation::in() of that. Preconditions:
-    /// this is of the world; `world_from_object` is affine and has an inverse. About 0.1 us.
+    /// The screen mapped to the space of an object; `inflation` is Inflation::in() of that space.
+    /// Preconditions: *this maps to the world; `world_from_object` is affine and has an inverse.
+    /// About 0.1 us.
     ScreenSpace in(const glm::mat4& world_from_object, const Inflation& inflation) const;
 
 private:
     friend class ScreenBox;
     Inflation inflation_;
-    glm::dvec3 origin_{0.0}; ///< that of the view, in the boxes' space
+    glm::dvec3 origin_{0.0}; ///< the view's origin in the boxes' space
     glm::dvec2 size_px_{0.0};
     glm::dmat4 relative_rows_{1.0}; ///< X, Y, Z and W of (position - origin) from (x px, y px,
                                     ///< depth, 1), as columns
     glm::dmat4 screen_rows_{1.0};   ///< x, y, window depth and w of clip space from (position -
                                     ///< origin), also
-    glm::dmat4 rounding_{0.0};      ///< by how much a device may be off in these
-    double sample_from_ = 0.0;      ///< samples of a pixel are from here to there in it, along
-    double sample_to_ = 1.0;        ///< both axes
+    glm::dmat4 rounding_{0.0};      ///< the errors that a device may make in these
+    double sample_from_ = 0.0;      ///< samples lie between these positions in their
+    double sample_to_ = 1.0;        ///< pixel, along both axes
 };
 
 class ScreenBox {
 public:
-    /// Of `box` in the space of `screen`, the box around the things themselves (it is inflated
-    /// here, rule R2). Precondition: project(view, box).valid, or that of project_boxes() in that
-    /// space.
+    /// `box` must bound the contents in the space of `screen` and not be inflated, because this
+    /// constructor inflates it (rule R2). Precondition: project(view, box).valid, or the same of
+    /// project_boxes() in that space.
     ScreenBox(const ScreenSpace& screen, const Aabb& box);
 
     /// A depth that nothing in the box is nearer than, over all samples of the pixels from `low` to
-    /// `high`, both included; infinity if the box misses them all.
+    /// `high`, both included. Infinity if the box misses all of them.
     double nearest_over(glm::ivec2 low, glm::ivec2 high) const;
 
-    /// depth < nearest_over(low, high), but mostly from the entries alone: one texel of a pyramid.
+    /// True if depth < nearest_over(low, high). Mostly the entries alone decide, in the time of one
+    /// texel of a pyramid.
     bool beyond(double depth, glm::ivec2 low, glm::ivec2 high) const
     {
         if (!known_) {
@@ -86,8 +88,8 @@ private:
         double dx = 0.0;
         double dy = 0.0;
         double at_origin = 0.0;
-        double per_width = 0.0;  ///< what a block of one pixel more can add, at the corner
-        double per_height = 0.0; ///< that matters: no more than 0 for entries, no less for exits
+        double per_width = 0.0;  ///< the most that one more pixel in a block can add,
+        double per_height = 0.0; ///< at the corner that matters: <= 0 for entries, >= 0 for exits
     };
     /// The rectangle that holds all samples of a block of pixels.
     struct Samples {
@@ -129,7 +131,7 @@ private:
     int entries_ = 0;
     int exits_ = 0;
     double depth_error_ = 0.0;
-    double from_px_ = 0.0; ///< where samples are, from the corner of the first pixel ...
+    double from_px_ = 0.0; ///< sample positions, from the corner of the first pixel ...
     double to_px_ = 0.0;   ///< ... and of the last
     bool known_ = false;
 };

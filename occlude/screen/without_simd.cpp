@@ -1,5 +1,5 @@
-// The kernels of Kernel::simd in a library that is built without Highway (OCCLUDE_SIMD=OFF): one
-// after the other, as those of Kernel::scalar, to the same bits.
+// The kernels of Kernel::simd in a library that is built without Highway (OCCLUDE_SIMD=OFF). They
+// process one value after the other, as Kernel::scalar does, with results equal to the bit.
 #include <occlude/screen/detail/box_projector.h>
 #include <occlude/screen/detail/pyramid_kernels.h>
 

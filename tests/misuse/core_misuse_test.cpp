@@ -69,16 +69,16 @@ TEST(LatticeMisuse, CellsAndPointsThatAreNoneStayInTheLattice)
 {
     Mistakes mistakes;
     EXPECT_EQ(Lattice::over(Aabb::everything(), 8).cell_count(), 1u);
-    mistakes.expect("a lattice lies over a bounded box");
+    mistakes.expect("a lattice needs a bounded box");
     EXPECT_EQ(Lattice::over(kBox, 0).cell_count(), 1u);
-    mistakes.expect("a lattice has at least one cell");
+    mistakes.expect("a lattice needs at least one cell");
     const Lattice lattice = Lattice::over(kBox, 8);
     EXPECT_EQ(lattice.cell({kNaN, 0.5f, -8.0f}).x, 0u);
-    mistakes.expect("a point has coordinates that are numbers");
+    mistakes.expect("a coordinate of the point is NaN");
     lattice.index(lattice.count);
     mistakes.expect("a cell lies in its lattice");
     lattice.at(lattice.cell_count());
-    mistakes.expect("an index is one of a cell of the lattice");
+    mistakes.expect("the index is beyond the cells of the lattice");
 }
 
 TEST(ShapeMisuse, AnInvalidItemHasNoShape)
@@ -170,7 +170,7 @@ TEST(LightMisuse, LightsThatDoNotExistAreDark)
 {
     Mistakes mistakes;
     const FlareVisibility impatient({.fade_time = -1.0});
-    mistakes.expect("the fade_time of flares is not negative");
+    mistakes.expect("the fade_time of flares must not be negative");
     FlareVisibility flares;
     flares.set_lights(std::array{FlareLight{}});
     EXPECT_EQ(flares.fraction(1), 0.0);
@@ -182,7 +182,7 @@ TEST(LightMisuse, LightsThatDoNotExistAreDark)
     mistakes.expect("FlareVisibility::end_frame follows its begin_frame");
     EXPECT_TRUE(device.trace().empty());
     EXPECT_EQ(flare_radius_px(test::look_ahead(), {0, 0, -10}, -1.0f, 2.0f, 9.0f), 2.0f);
-    mistakes.expect("the radius of a light's ball is not negative");
+    mistakes.expect("the radius of a light's ball must not be negative");
     make_flare_disc(test::look_ahead(), {.position_world = {0, 0, 10, -1}});
     mistakes.expect("the w of a light is 1, or 0 at infinity");
     EXPECT_EQ(flare_radius_px(test::look_ahead(), {0, 0, -10}, 1.0f, 9.0f, 2.0f), 9.0f);
@@ -239,7 +239,7 @@ TEST(DeviceMisuse, DecoratorsLoseTestsThatHaveNoTicketOrTooMany)
 
     ScriptedDevice scripted;
     const CostModelDevice negative(scripted, {.per_test = -1.0}, {});
-    mistakes.expect("no work takes less than no time");
+    mistakes.expect("CostModelDevice needs costs that are not negative");
     CostModelDevice modelled(scripted, {}, {});
     modelled.begin_frame(view);
     modelled.query({std::span{&box, 1}, one_end}, tickets);
@@ -249,7 +249,7 @@ TEST(DeviceMisuse, DecoratorsLoseTestsThatHaveNoTicketOrTooMany)
     modelled.end_frame();
 
     const FaultyDevice too_faulty(scripted, {.lost = 1001});
-    mistakes.expect("faults happen to at most 1000 of a thousand");
+    mistakes.expect("FaultyDevice needs chances of at most 1000 per thousand");
     const FaultyDevice too_late(scripted, {.max_polls = ~0u});
     mistakes.expect("the delays of a FaultyDevice are shorter");
 }

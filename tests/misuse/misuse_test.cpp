@@ -131,7 +131,7 @@ TEST_P(EveryAlgorithm, DrawsWhatRefitWasNotToldAbout)
     // The same of items that the tree has never seen.
     const std::array strangers{ItemId{999u}, ItemId{}};
     tree.refit(strangers, items);
-    mistakes.expect("a moved item is one of the hierarchy's");
+    mistakes.expect("a moved item must be in the hierarchy");
     EXPECT_EQ(validate(tree), "");
 }
 
@@ -296,18 +296,18 @@ TEST(MeshMisuse, IndicesOutOfRangeOrNotInThreesGiveNothingOrEverything)
     const std::array<uint32_t, 3> beyond{0, 1, 9};
     const std::array<uint32_t, 4> not_threes{0, 1, 2, 0};
     EXPECT_TRUE(partition_triangles(corners, beyond, 10).parts.empty());
-    mistakes.expect("every index is one of a position");
+    mistakes.expect("every index must be less than the number of positions");
     EXPECT_EQ(tight_boxes(corners, beyond, 4), Shape{Aabb::everything()});
-    mistakes.expect("every index is one of a position");
+    mistakes.expect("every index must be less than the number of positions");
     EXPECT_TRUE(split_triangles(corners, corners, beyond, 10).parts.empty());
     mistakes.expect("a position and a normal for each index");
     EXPECT_TRUE(
         split_triangles(corners, std::span{corners}.first(1), not_threes, 10).parts.empty());
     mistakes.expect("three indices for each triangle");
     EXPECT_EQ(partition_triangles(corners, not_threes, 10).indices.size(), 3u);
-    mistakes.expect("indices come in threes");
+    mistakes.expect("there must be three indices per triangle");
     EXPECT_EQ(partition_triangles(corners, std::span{not_threes}.first(3), 0).parts.size(), 1u);
-    mistakes.expect("a part holds at least one triangle");
+    mistakes.expect("partition_triangles() needs max_triangles > 0");
     EXPECT_EQ(split_triangles(corners, corners, not_threes, 0).parts.size(), 1u);
     mistakes.expect("three indices for each triangle");
 }
@@ -316,7 +316,7 @@ TEST(PathMisuse, PathsWithoutKeysAndCamerasWithoutANearPlaneHideNothing)
 {
     Mistakes mistakes;
     EXPECT_TRUE(interpolate({}, 10).empty());
-    mistakes.expect("a path has at least one key");
+    mistakes.expect("a path needs at least one key");
     Camera camera;
     for (const auto& [near, far] : {std::pair{0.0f, 10.0f},
                                     {-1.0f, 10.0f},

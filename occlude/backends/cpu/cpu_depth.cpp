@@ -1,4 +1,4 @@
-// How a CpuDevice gives its depth: pixel by pixel, or by the farthest of each tile.
+// Reads the depth of a CpuDevice: pixel by pixel, or by the farthest of each tile.
 #include <occlude/backends/cpu/cpu_device.h>
 
 #include <occlude/core/assert.h>
@@ -29,7 +29,7 @@ bool CpuDevice::read_depth(const PixelRect& rect, std::span<float> out)
 bool CpuDevice::read_depth_tiles(int tile_px, std::span<float> out)
 {
     if (!transform_.usable()) {
-        return false; // as read_depth()
+        return false; // like read_depth()
     }
     const bool legal = caps_.find_depth_read(tile_px) != nullptr && tile_px > 1;
     OCCLUDE_ASSERT(legal, "read_depth_tiles: caps().depth_reads lists the sizes of tiles");

@@ -16,7 +16,7 @@ glm::dvec4 clip_position(const glm::dmat4& clip_from_local, const glm::vec3& loc
     return clip_from_local * glm::dvec4{glm::dvec3{local}, 1.0};
 }
 
-// Corner i has the box's maximum on axis a where bit a of i is set.
+// Corner i has the box's maximum on axis a if bit a of i is set.
 std::array<glm::dvec4, 8> clip_corners(const glm::dmat4& clip_from_local, const Aabb& box)
 {
     std::array<glm::dvec4, 8> corners;
@@ -41,7 +41,7 @@ constexpr std::array<std::array<size_t, 4>, 6> kBoxFaces{{
 
 constexpr int kLargestTile = 64; // pixels
 
-// The next value of a stamp; when all values were used, every mark is taken back first.
+// The next value of a stamp. When all values are used up, every mark is cleared first.
 void advance_stamp(uint32_t& current, std::vector<uint32_t>& marks)
 {
     if (++current == 0) {
@@ -169,7 +169,7 @@ bool CpuDevice::write(size_t pixel, double depth, ItemId item, uint32_t triangle
     const auto depth01 = static_cast<float>(depth);
     float& stored = target_.depth[pixel];
     if (depth01 >= stored) {
-        // Nothing equals the cleared depth: LESS against 1 fails there.
+        // No fragment may equal the cleared depth, because LESS against 1 fails there.
         const bool wins_tie =
             depth01 == stored && stored != kClearDepth &&
             (item.value < target_.items[pixel] ||
@@ -184,7 +184,7 @@ bool CpuDevice::write(size_t pixel, double depth, ItemId item, uint32_t triangle
     return true;
 }
 
-// Lists one translucent fragment; true if it is seen.
+// Lists one translucent fragment; true if it is visible.
 bool CpuDevice::blend(size_t pixel, double depth, ItemId item, uint32_t triangle)
 {
     const bool seen = static_cast<float>(depth) < target_.depth[pixel];

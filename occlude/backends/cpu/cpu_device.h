@@ -13,13 +13,14 @@
 //           once per test, however many boxes and faces cover it (C6): the answer is the number of
 //           samples of the union. Boxes are drawn by the code that draws triangles.
 //
-// Why a box covers what is in it (rule R2). Let a triangle in the box own a sample. The point of
-// the triangle that lands on the sample was moved by snapping by at most half a snap in x and in y,
-// and not in depth; so were the faces of the box. View::inflated_for_test has put the faces at
+// Why a box covers its contents (rule R2). Let a triangle in the box own a sample. Snapping moved
+// the point of the triangle that lands on the sample by at most half a snap in x and in y, and not
+// in depth; the same holds for the faces of the box. View::inflated_for_test has put the faces at
 // least four snaps (1/64 px) away from that point. So moving the faces by half a snap cannot carry
-// them across it: it still lies inside the snapped, closed box, and the ray from it to the viewer
+// them across it: it still lies inside the snapped, closed box. The ray from it to the viewer
 // crosses a face, whose fragment at this sample is nearer in real numbers. Rounding to float keeps
-// order; the rounding of the interpolation in double is what kBoxBias, 10^8 times larger, pays for.
+// the order. kBoxBias, which is 10^8 times larger, covers the rounding of the interpolation in
+// double.
 #pragma once
 
 #include <occlude/backends/cpu/cpu_scene.h>
@@ -36,19 +37,19 @@
 namespace occlude {
 
 struct CpuDeviceOptions {
-    /// Tickets that may be unspent at a time; a test beyond that is lost (C11).
+    /// The largest number of unspent tickets; a test beyond it is lost (C11).
     uint32_t max_outstanding = 4096;
 };
 
 class CpuDevice final : public QueryDevice {
 public:
-    /// One step of float depth just below 1: what the faces of tested boxes are moved by.
+    /// Moves the faces of tested boxes nearer: one step of float depth just below 1.
     static constexpr double kBoxBias = 0x1p-24;
 
-    /// Which triangle a pixel shows; `item` is invalid where nothing was drawn.
+    /// The triangle that a pixel shows; `item` is invalid if nothing was drawn.
     struct Owner {
         ItemId item;
-        uint32_t triangle = 0; ///< counted from the item's first
+        uint32_t triangle = 0; ///< index of the triangle, counted from the item's first
 
         bool operator==(const Owner&) const = default;
     };
@@ -66,27 +67,26 @@ public:
 
     const DeviceCaps& caps() const override { return caps_; }
 
-    /// Clears the target; its size is the view's. A view that is not finite, that has no pixel or
-    /// that is larger than cpu::kMaxSide gives a frame that draws nothing, whose tests are lost and
-    /// whose depth cannot be read.
+    /// Clears the target; its size is the view's. If the view is not finite, has no pixel or is
+    /// larger than cpu::kMaxSide, the frame draws nothing, its tests are lost, and its depth cannot
+    /// be read.
     void begin_frame(const View& view) override;
 
-    /// `shade` and `depth_only` are the same here for opaque items; `shade_equal` does nothing,
-    /// because which triangle a pixel shows is known already. Translucent items are drawn by
-    /// `shade` alone.
+    /// For opaque items, `shade` and `depth_only` are the same, and `shade_equal` does nothing,
+    /// because the triangle of each pixel is already known. Only `shade` draws translucent items.
     void draw(std::span<const ItemId> items, DrawPass pass) override;
 
-    /// Makes `method`, queries or pyramid, the one of batches that name none (`automatic`: queries
-    /// again). Fails, and says which there are, for others. Outside frames only.
+    /// Makes `method`, queries or pyramid, the method of batches that name none (`automatic`:
+    /// queries). Fails and lists the available methods for others. Outside frames only.
     Result<bool> use_method(TestMethod method);
 
-    /// Answers at once, by the default method where the batch names one that caps.methods does not
-    /// list. A box that is not bounded or (with queries) touches the near rectangle makes its test
-    /// lost, and so does a test without boxes.
+    /// Answers at once. A batch gets the default method if it names one that caps.methods does not
+    /// list. A test is lost if it has no boxes, or a box that is not bounded or (with queries)
+    /// touches the near rectangle.
     void query(const QueryBatch& batch, std::span<Ticket> tickets) override;
 
-    /// Counts the samples that the items won while they were drawn, each once, even if an item of
-    /// the same call took them over; with `shade_equal`, the samples that the items own.
+    /// Counts the samples that the items won while they were drawn, each once, even if another item
+    /// of the same call won them later. With `shade_equal`, counts the samples that the items own.
     Ticket draw_and_query(std::span<const ItemId> items, DrawPass pass) override;
 
     void flush() override {}
@@ -96,8 +96,8 @@ public:
     bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override { in_frame_ = false; }
 
-    /// The target of the last frame: its size (0 before the first), its window depth, and who owns
-    /// a pixel (row by row from the bottom).
+    /// The target of the last frame: its size (0 before the first), its window depth, and the owner
+    /// of each pixel (row by row from the bottom).
     glm::ivec2 size_px() const { return target_.size_px; }
     std::span<const float> depth() const { return target_.depth; }
     Owner owner(size_t pixel) const;
@@ -111,7 +111,7 @@ public:
     uint64_t frame_count() const { return frame_count_; }
 
 private:
-    /// What was drawn, pixel by pixel.
+    /// The content of the target, pixel by pixel.
     struct Target {
         glm::ivec2 size_px{0};
         std::vector<float> depth;
@@ -119,7 +119,8 @@ private:
         std::vector<uint32_t> triangles; ///< likewise
         std::vector<TranslucentFragment> translucent;
     };
-    /// The vertices of the item being drawn, each transformed once: those marked by `current`.
+    /// The vertices of the item being drawn, each transformed once; `current` marks the transformed
+    /// ones.
     struct TransformedVertices {
         std::vector<cpu::Vertex> vertices;
         std::vector<uint32_t> marks;

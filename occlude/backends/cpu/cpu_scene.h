@@ -1,4 +1,4 @@
-// What the CPU device asks the engine: the triangles of an item.
+// The interface that an engine implements for the CPU device: the triangles of an item.
 #pragma once
 
 #include <occlude/core/aabb.h>
@@ -12,9 +12,8 @@
 
 namespace occlude {
 
-/// The triangles that one draw of an item draws. The spans must live until the verb that asked
-/// returns. A triangle with an index outside of `positions`, or with a position that is not finite,
-/// is not drawn.
+/// The triangles of one draw of an item. The spans must live until the calling verb returns. A
+/// triangle with an index outside `positions`, or with a position that is not finite, is not drawn.
 struct CpuItem {
     std::span<const glm::vec3> positions; ///< in the space of the mesh; may be shared by many items
     std::span<const uint32_t> indices;    ///< three per triangle; only these positions are read
@@ -22,7 +21,7 @@ struct CpuItem {
     /// Bounds of the indexed positions, in the space of the mesh, for rejecting the item as a
     /// whole. The default rejects nothing.
     Aabb box = Aabb::everything();
-    /// Hides nothing, in itself neither: its fragments are listed, not written.
+    /// Translucent: hides nothing, not even itself; its fragments are listed, not written.
     bool translucent = false;
 };
 
@@ -30,7 +29,7 @@ class CpuScene {
 public:
     virtual ~CpuScene() = default;
 
-    /// The triangles of `item` as they are now. An unknown item has none.
+    /// The current triangles of `item`. An unknown item has none.
     virtual CpuItem item(ItemId item) const = 0;
 };
 

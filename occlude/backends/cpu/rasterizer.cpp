@@ -12,7 +12,7 @@ namespace {
 // How far from the middle of the screen a vertex may be before it is clipped, in pixels. 2^21 px
 // are 2^29 snaps: see ScreenVertex.
 constexpr double kGuardPixels = 0x1p21;
-// Where the near plane is ignored, triangles are clipped at this window depth: a million times
+// In views that ignore the near plane, triangles are clipped at this window depth: a million times
 // nearer to the eye than the near plane, while double still resolves depth to 2^-32.
 constexpr double kLeastClampedDepth = -0x1p20;
 // The least w that can be divided by.
@@ -68,7 +68,7 @@ void clip_by_plane(ClipPolygon& polygon, const glm::dvec4& plane)
             kept.corners[kept.count++] = from;
         }
         if (from_inside != to_inside) {
-            // Always from the inside out, so that both triangles at an edge find the same point.
+            // Always from the inside out, so that both triangles at an edge compute the same point.
             const glm::dvec4& in = from_inside ? from : to;
             const glm::dvec4& out = from_inside ? to : from;
             const double in_distance = from_inside ? from_distance : to_distance;
@@ -129,7 +129,7 @@ ScreenVertex ScreenTransform::to_screen(const glm::dvec4& clip) const
     const double half_height = 0.5 * size_px_.y;
     return {snap(clip.x * inverse_w * half_width + half_width),
             snap(clip.y * inverse_w * half_height + half_height),
-            // Corners made by clipping miss the limits by a rounding.
+            // Corners made by clipping can miss the limits by a rounding error.
             std::clamp(clip.z * inverse_w, least_depth_, 1.0)};
 }
 
@@ -158,7 +158,8 @@ void ScreenTransform::clip(ClipPolygon& polygon) const
         clip_by_plane(polygon, plane);
     }
     for (size_t i = 0; i < polygon.count; ++i) {
-        // The guard planes leave w >= max(|x|, |y|) / guard: only the eye itself is left to refuse.
+        // The guard planes leave w >= max(|x|, |y|) / guard, so only the eye itself must be
+        // refused.
         if (!(polygon.corners[i].w >= kLeastW)) {
             polygon.count = 0;
         }

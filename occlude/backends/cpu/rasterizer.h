@@ -1,4 +1,4 @@
-// The scalar rasteriser of the CPU device: clip, snap, fill. Written to be checked by reading.
+// The scalar rasteriser of the CPU device: clip, snap, fill. Written so that reading can verify it.
 //
 //   mesh ──double──► clip ──clip──► clip ──divide, snap to 1/256 px──► screen ──fill──► samples
 //
@@ -39,7 +39,7 @@ struct ScreenVertex {
     double depth = 0.0; ///< below 0 only in views that ignore the near plane
 };
 
-/// Which sides of the view volume a clip position is beyond.
+/// The sides of the view volume that a clip position is beyond.
 enum ClipCode : uint8_t {
     beyond_left = 1,
     beyond_right = 2,
@@ -50,11 +50,11 @@ enum ClipCode : uint8_t {
     beyond_guard = 64, ///< too far outside of the screen for the integers of ScreenVertex
     not_finite = 128,  ///< nothing with such a corner is drawn
 };
-/// If all corners of something convex share one of these bits, it is not seen.
+/// If all corners of a convex shape share one of these bits, it is not visible.
 constexpr uint8_t kBeyondView =
     beyond_left | beyond_right | beyond_bottom | beyond_top | beyond_near | beyond_far;
-/// A triangle with one of these bits is clipped; without them its snapped corners are used as they
-/// are.
+/// A triangle with one of these bits is clipped. Without them its snapped corners are used
+/// directly.
 constexpr uint8_t kNeedsClipping = beyond_near | beyond_far | beyond_guard;
 
 struct Vertex {
@@ -63,7 +63,7 @@ struct Vertex {
     uint8_t code = not_finite;
 };
 
-/// A convex polygon in clip space: a triangle and one more corner for each plane it is clipped by.
+/// A convex polygon in clip space: a triangle plus one more corner for each plane that clips it.
 struct ClipPolygon {
     static constexpr size_t kMaxCorners = 3 + 6;
 
@@ -71,7 +71,7 @@ struct ClipPolygon {
     size_t count = 0;
 };
 
-/// From the spaces of meshes and boxes to the screen, for one view.
+/// Maps the spaces of meshes and boxes to the screen, for one view.
 class ScreenTransform {
 public:
     ScreenTransform() = default;
@@ -81,10 +81,10 @@ public:
     bool usable() const { return usable_; }
     glm::ivec2 size_px() const { return size_px_; }
 
-    /// The clip matrix of a local space, composed in double: the local space's place is taken
-    /// relative to the view's origin first, so that nothing cancels far from the world's.
+    /// The clip matrix of a local space, composed in double: the position of the local space is
+    /// first taken relative to the view's origin, so that nothing cancels far from the world's.
     glm::dmat4 clip_from_local(const glm::mat4& world_from_local) const;
-    /// The same of world space.
+    /// The clip matrix of world space.
     const glm::dmat4& clip_from_world() const { return clip_from_world_; }
 
     uint8_t code(const glm::dvec4& clip) const;
@@ -94,9 +94,9 @@ public:
 
     Vertex process(const glm::dvec4& clip) const;
 
-    /// Cuts the polygon down to what is between near and far plane and in the guard band. The same
-    /// edge gives the same cut whichever triangle it belongs to. A polygon that reaches the eye
-    /// itself (w = 0, at any sensible matrix behind the near plane) comes back empty.
+    /// Clips the polygon to the space between near and far plane and to the guard band. The same
+    /// edge is cut at the same point, whichever triangle it belongs to. A polygon that reaches the
+    /// eye itself (w = 0, which for any sensible matrix lies behind the near plane) becomes empty.
     void clip(ClipPolygon& polygon) const;
 
 private:
@@ -105,13 +105,13 @@ private:
     glm::dvec3 origin_{0.0};
     glm::ivec2 size_px_{0};
     glm::dvec2 guard_{1.0};    ///< |x| <= guard.x * w, |y| <= guard.y * w
-    double least_depth_ = 0.0; ///< clipped before this window depth; drawn at 0 at least
+    double least_depth_ = 0.0; ///< clipped before this window depth; drawn at depth >= 0
     bool usable_ = false;
 };
 
 /// One side of a triangle as its edge function: positive inside, 0 on the line, exact.
 struct Edge {
-    /// From `a` to `b`, the inside at the left hand; `row` is its value at sample (x, y).
+    /// The edge from `a` to `b`, with the inside at the left; `row` is its value at sample (x, y).
     Edge(const ScreenVertex& a, const ScreenVertex& b, int64_t x, int64_t y)
         : step_x(-(b.y - a.y) * kSubpixels)
         , step_y((b.x - a.x) * kSubpixels)
@@ -123,12 +123,12 @@ struct Edge {
     int64_t step_x;
     int64_t step_y;
     int64_t row;
-    int64_t threshold; ///< the least value that is inside: 0 on left and top edges, else 1
+    int64_t threshold; ///< the least value inside: 0 on left and top edges, otherwise 1
 };
 
 /// Calls fragment(pixel, depth) for every sample that the triangle covers, at most once each, row
-/// by row; pixel = y * size.x + x. Both sides are drawn. Depth lies within the corners' depths, and
-/// is at least 0.
+/// by row; pixel = y * size.x + x. Both sides are drawn. Depth lies within the depths of the
+/// corners, and is at least 0.
 template <class Fragment>
 void rasterize(const ScreenVertex& a, ScreenVertex b, ScreenVertex c, glm::ivec2 size,
                Fragment&& fragment)
@@ -215,8 +215,8 @@ void draw_triangle(const ScreenTransform& transform, const Vertex& a, const Vert
     }
 }
 
-/// Cuts the segment from `a` to `b` down to what is inside the view volume, |x|, |y| <= w included.
-/// False if nothing is left.
+/// Clips the segment from `a` to `b` to the view volume, |x|, |y| <= w included. False if nothing
+/// is left.
 bool clip_segment(glm::dvec4& a, glm::dvec4& b);
 
 } // namespace occlude::cpu

@@ -16,18 +16,19 @@ namespace {
 
 constexpr size_t kFirstCapacity = 4096; // boxes, 320 KiB
 
-// The engine's vertices and those of a box are both off by at most View::clip_rounding(), in x, y,
-// z and w. Rule R1 leaves w at least eight times as large as its error, so that window depth is off
-// by at most 8 / 7 of (z's error + w's error) / w in each stream.
+// The engine's vertices and the vertices of a box are both off by at most View::clip_rounding(), in
+// x, y, z and w. Rule R1 leaves w at least eight times as large as its error. So window depth is
+// off by at most 8 / 7 of (z's error + w's error) / w in each stream.
 constexpr float kRoundingOfTwoStreams = 2.0f * 8.0f / 7.0f;
 
-// Corner i of the cube is at (i & 1, i >> 1 & 1, i >> 2). Both sides are drawn, so winding is free.
+// Corner i of the cube is at (i & 1, i >> 1 & 1, i >> 2). The winding does not matter, because both
+// sides are drawn.
 constexpr std::array<uint16_t, 36> kCubeIndices{0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6,
                                                 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6,
                                                 0, 2, 6, 0, 6, 4, 1, 3, 7, 1, 7, 5};
 
-// Positions relative to the view's origin first, then clip space. Both methods have these lines, so
-// that they reach the same depth to the bit.
+// Positions relative to the view's origin first, then clip space. Both methods share these lines,
+// so that they reach the same depth to the bit.
 constexpr const char* kVertexShader = R"(
 layout(location = 0) in vec3 box_min;
 layout(location = 1) in vec3 box_max;
@@ -62,7 +63,7 @@ constexpr const char* kQueriesFragmentShader = R"(
 void main() {}
 )";
 
-// Reads before it stores: many fragments of a box are seen, and one store is enough.
+// Reads before it stores: many fragments of a box are visible, and one store is enough.
 constexpr const char* kRasterHeader = "#version 430 core\n#define RASTER\n";
 constexpr const char* kRasterFragmentShader = R"(
 layout(early_fragment_tests) in;
@@ -140,7 +141,8 @@ GlBoxTests::GlBoxTests(Program queries, Program raster, bool base_instance, floa
     glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
-// Box rows from byte `offset` of the stream on. Precondition: vertex array and stream are bound.
+// Binds the box rows from byte `offset` of the stream on. Precondition: vertex array and stream are
+// bound.
 void GlBoxTests::point_attributes_at(size_t offset)
 {
     const auto point = [offset](GLuint location, GLint size, size_t member) {
@@ -175,8 +177,8 @@ void GlBoxTests::enter(TestMethod method)
         const glm::mat4 clip_from_relative{view_.clip_from_relative()};
         glUniformMatrix4fv(program.clip_from_relative, 1, GL_FALSE,
                            glm::value_ptr(clip_from_relative));
-        // Ours is a bias of values in the depth buffer, of which the view may use a part; that of
-        // the view is one of its own depth.
+        // Our bias is in values of the depth buffer, of which the view may use a part; the view's
+        // bias is in its own depth.
         const float bias = depth_bias_ / target_.depth_extent() + view_.inflation().depth_bias;
         glUniform1f(program.toward_viewer_per_w, toward_viewer_sign() * range * bias);
         program.view_changed = false;
@@ -195,7 +197,8 @@ float GlBoxTests::toward_viewer_sign() const
     return view_.convention().order == DepthOrder::near_is_large ? 1.0f : -1.0f;
 }
 
-// The origin is subtracted in double: what is left rounds by a share of the distance from there.
+// The origin is subtracted in double, so that the difference rounds by a share of the distance from
+// it.
 void GlBoxTests::add_row(const QueryBox& box, size_t test)
 {
     const glm::dvec3& origin = view_.origin();
@@ -277,7 +280,7 @@ bool GlBoxTests::raster(const QueryBatch& batch, GlQueryPool& pool, std::span<Ti
     if (rows_.empty()) {
         return true;
     }
-    // Tickets were promised: flags that could not be made answer "seen".
+    // Tickets were already handed out: flags that could not be allocated answer "seen".
     const bool ready = flags->begin(batch.test_ends.size(), kFlagBinding);
     const std::optional<size_t> offset = write_rows();
     if (!ready || !offset) {

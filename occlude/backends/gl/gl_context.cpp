@@ -8,7 +8,8 @@ namespace {
 
 thread_local int foreign_names = 0;
 
-// Null if the process has not loaded the library: this must not load a second kind of OpenGL.
+// Null if the process has not loaded the library: this function must not load a second kind of
+// OpenGL.
 void* find_loaded(const char* library, const char* function)
 {
     void* handle = dlopen(library, RTLD_LAZY | RTLD_NOLOAD);

@@ -35,7 +35,7 @@ uniform sampler2D depth;
 uniform int mode;         // DepthSample
 uniform int sample_count;
 uniform int side;         // of the block of texels that becomes one
-uniform ivec2 origin;     // of the texels that count
+uniform ivec2 origin;     // the first of the texels that count
 uniform ivec2 extent;     // how many there are
 uniform bool from_above;  // blocks are counted from the last row down
 layout(location = 0) out float reduced;
@@ -79,7 +79,7 @@ GLint depth_attachment(GLuint framebuffer, GLenum what)
     return value;
 }
 
-// False if there is no depth to read, or one per layer.
+// False if there is no depth to read, or if the attachment is layered.
 bool has_readable_depth(GLuint framebuffer)
 {
     const GLint type = depth_attachment(framebuffer, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE);
@@ -88,7 +88,7 @@ bool has_readable_depth(GLuint framebuffer)
            !(texture && depth_attachment(framebuffer, GL_FRAMEBUFFER_ATTACHMENT_LAYERED) != 0);
 }
 
-// A format with the bits of the bound framebuffer's depth; 0 if there is none.
+// A format with as many bits as the bound framebuffer's depth; 0 if there is none.
 GLenum depth_format(GLuint framebuffer)
 {
     const GLint bits = depth_attachment(framebuffer, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE);
@@ -118,7 +118,7 @@ GLenum attachment_point(GLenum format)
 
 } // namespace
 
-// One reduction of some texels to fewer.
+// One reduction of blocks of texels to single texels.
 struct GlDepthReader::Pass {
     GLenum target = GL_TEXTURE_2D;
     GLuint source = 0;
@@ -196,8 +196,8 @@ static bool is_float(GLenum depth_format)
     return depth_format == GL_DEPTH_COMPONENT32F || depth_format == GL_DEPTH32F_STENCIL8;
 }
 
-// Shaders and glReadPixels turn the whole numbers of a depth buffer into floats with different
-// rounding, and no tile may be nearer than what is read of its pixels.
+// Shaders and glReadPixels convert the integers of a depth buffer to floats with different
+// rounding, but no tile may be nearer than what is read of its pixels.
 static void round_toward_far(DepthSample sample, std::span<float> depths)
 {
     constexpr float kRounding = 0x1p-23f;
@@ -255,8 +255,8 @@ bool GlDepthReader::read_tiles(const PixelRect& rect, int tile_px, bool from_abo
     return true;
 }
 
-// Copies `rect` of the framebuffer's depth to the same place in copy_, whose state is the caller's
-// to put back.
+// Copies `rect` of the framebuffer's depth to the same place in copy_. The caller restores the
+// state that this changes.
 bool GlDepthReader::copy(const PixelRect& rect, int sample_count, DepthSample sample, GLuint source)
 {
     const GLenum format = depth_format(source);
@@ -276,8 +276,8 @@ bool GlDepthReader::copy(const PixelRect& rect, int sample_count, DepthSample sa
     return true;
 }
 
-// Makes the copy at least as large as needed, in the attachment's own format: depth can only be
-// copied between equal ones.
+// Makes the copy large enough, in the attachment's own format, because depth can only be copied
+// between equal formats.
 bool GlDepthReader::prepare_copy(GLenum format, int sample_count, const PixelRect& rect)
 {
     const glm::ivec2 needed{rect.x + rect.width, rect.y + rect.height};
@@ -360,7 +360,7 @@ void GlDepthReader::reduce(const Reduction& reduction, const Pass& pass, DepthSa
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-// Reads, and sees by a mark on the first and the last value whether the driver did.
+// Reads, and detects by a mark on the first and the last value whether the driver has written.
 bool GlDepthReader::read_floats(GLuint framebuffer, const PixelRect& rect, GLenum format,
                                 std::span<float> out) const
 {

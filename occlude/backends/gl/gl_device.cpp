@@ -21,12 +21,12 @@ namespace {
 
 constexpr int kOldestVersion = 33;
 
-// Rough guesses for llvmpipe on two cores, flush and resume included in the batch.
+// Rough estimates for llvmpipe on two cores. The cost of a batch includes flush and resume.
 constexpr TestCost kQueriesCost{TestMethod::queries, 60.0f, 18.0f, 4.0f};
 constexpr TestCost kRasterCost{TestMethod::raster, 150.0f, 1.0f, 4.0f, false};
 constexpr TestCost kPyramidCost{TestMethod::pyramid, 1000.0f, 0.1f, 0.1f, false};
 
-// The same of read-backs.
+// Rough estimates for read-backs.
 constexpr DepthReadCost kPixelsCost{1, 200.0f, 0.0f, 0.0004f};
 constexpr DepthReadCost kTilesCost{2, 250.0f, 0.004f, 0.0004f};
 
@@ -46,7 +46,7 @@ bool can_count_samples()
 
 } // namespace
 
-// The first row becomes the last.
+// Reverses the order of the rows.
 static void reverse_rows(std::span<float> depths, size_t width)
 {
     for (size_t low = 0, high = depths.size() - width; low < high; low += width, high -= width) {
@@ -170,7 +170,7 @@ void GlDevice::begin_frame(const View& view)
     caps_.samples_at_pixel_centers = parts_->target.samples <= 1;
 }
 
-// After the engine has bound its target, and maybe made its context current.
+// Called after the engine has bound its target, and maybe made its context current.
 void GlDevice::find_faults(const View& view)
 {
     const GlFaults::Context context = parts_->faults.look_at_context();
@@ -184,8 +184,8 @@ void GlDevice::find_faults(const View& view)
     frame_ = parts_->faults.can_test(view, parts_->target) ? Frame::good : Frame::untestable;
 }
 
-// Makes the state that of a method, once for all batches between two draws. False if the engine has
-// a query open, so that none can be begun.
+// Sets the state of a method, once for all batches between two draws. False if the engine has a
+// query open, so that the device cannot begin one.
 bool GlDevice::enter_tests(Mode mode, TestMethod method)
 {
     if (mode_ == mode) {
@@ -253,8 +253,7 @@ void GlDevice::test_with_pyramid(const QueryBatch& batch, std::span<Ticket> tick
 {
     const glm::ivec2 size = view_.size_px();
     if (!parts_->pyramid.fresh()) {
-        const std::span<float> room =
-            parts_->pyramid.resize(size); // none if the size makes no sense
+        const std::span<float> room = parts_->pyramid.resize(size); // none if the size is not valid
         if (!room.empty() && read_depth({0, 0, size.x, size.y}, room)) {
             parts_->pyramid.build();
         }

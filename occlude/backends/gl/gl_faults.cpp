@@ -56,17 +56,17 @@ GlFaults::Context GlFaults::look_at_context()
         messages_.report(
             Severity::warning, current == nullptr ? "gl.no_context" : "gl.other_context",
             current == nullptr
-                ? "no OpenGL context is current in this thread, so that nothing is culled: make "
+                ? "no OpenGL context is current in this thread, so nothing is culled: make "
                   "the context current in which the GlDevice was created"
-                : "another OpenGL context is current than the one in which the GlDevice was "
-                  "created, so that nothing is culled: after recreating a context, create the "
+                : "the current OpenGL context is not the one in which the GlDevice was "
+                  "created, so nothing is culled: after recreating a context, create the "
                   "device and all other objects in it again");
         return Context::other;
     }
     if (!lost_ && gl_version_ >= kResetStatusVersion && glGetGraphicsResetStatus() != GL_NO_ERROR) {
         lost_ = true;
         messages_.report(Severity::warning, "gl.context_lost",
-                         "the OpenGL context was lost (the device was reset), so that nothing is "
+                         "the OpenGL context was lost (the device was reset), so nothing is "
                          "culled: create the context, the engine's objects and the GlDevice again");
     }
     return lost_ ? Context::lost : Context::own;
@@ -80,7 +80,7 @@ bool GlFaults::can_test(const View& view, const GlTargetState& target)
             messages_.report(Severity::warning, "gl.incomplete_target",
                              std::string("the framebuffer that GlScene::begin_frame() bound is "
                                          "incomplete (") +
-                                 cause_of(status) + "), so that nothing is culled");
+                                 cause_of(status) + "), so nothing is culled");
         }
         return false;
     }
@@ -109,7 +109,7 @@ bool GlFaults::can_test(const View& view, const GlTargetState& target)
     }
     if (!(target.depth_extent() > 0.0f)) {
         messages_.report(Severity::warning, "gl.depth_range",
-                         "glDepthRange has made all depths equal, so that nothing is culled: set "
+                         "glDepthRange has made all depths equal, so nothing is culled: set "
                          "the range of the geometry in GlScene::begin_frame()");
         return false;
     }
@@ -121,12 +121,12 @@ void GlFaults::report_pool(GlQueryPool::Faults faults, uint32_t capacity, double
     if (faults.full && messages_.due("gl.pool_full")) {
         messages_.report(Severity::note, "gl.pool_full",
                          "more than " + std::to_string(capacity) +
-                             " tests were unanswered at a time, and the rest is taken as visible: "
+                             " tests were unanswered at a time, and the rest counts as visible: "
                              "raise GlDeviceOptions::max_outstanding");
     }
     if (faults.no_query) {
         messages_.report(Severity::warning, "gl.no_query",
-                         "the driver gives no more query objects, and tests without one are taken "
+                         "the driver gives no more query objects, and tests without one count "
                          "as visible: is it out of memory?");
     }
     if (faults.timed_out && messages_.due("gl.wait_budget")) {
@@ -135,7 +135,7 @@ void GlFaults::report_pool(GlQueryPool::Faults faults, uint32_t capacity, double
         messages_.report(Severity::warning, "gl.wait_budget",
                          std::string("the driver did not answer a test within ") + ms.data() +
                              " ms (GlDeviceOptions::wait_budget_ms): it counts as visible, and "
-                             "this frame waits no more");
+                             "this frame waits for no other answer");
     }
 }
 
@@ -149,7 +149,8 @@ void GlFaults::report_no_depth()
 {
     messages_.report(Severity::warning, "gl.read_depth",
                      "depth cannot be read back: the framebuffer has no depth attachment, a "
-                     "layered one, or the driver failed; what would be tested counts as visible");
+                     "layered one, or the driver failed; everything that depth would be tested for "
+                     "counts as visible");
 }
 
 bool GlFaults::query_is_open()
@@ -174,7 +175,7 @@ bool GlFaults::query_is_open()
                 messages_.report(Severity::warning, "gl.query_open",
                                  "query " + std::to_string(open) + " of the engine (" +
                                      target.name +
-                                     ") is still open when boxes are to be tested, which count as "
+                                     ") is still open when boxes must be tested, which count as "
                                      "visible: end it before GlScene::draw() returns");
             }
             return true;

@@ -30,7 +30,7 @@ void GlFlagBatch::end()
 
 bool GlFlagBatch::available()
 {
-    // Anything but a timeout is final: also a failure, which seen() answers.
+    // Anything but a timeout is final, also a failure, which seen() handles.
     return fence_ == nullptr ||
            glClientWaitSync(fence_, GL_SYNC_FLUSH_COMMANDS_BIT, 0) != GL_TIMEOUT_EXPIRED;
 }

@@ -75,7 +75,7 @@ GlStreamBuffer::GlStreamBuffer(size_t unit, size_t capacity_units)
     renew(unit * capacity_units);
 }
 
-// Fresh storage. Asks for its size instead of for an error, which may be the engine's.
+// Fresh storage. Reads back its size instead of the error state, whose error may be the engine's.
 bool GlStreamBuffer::renew(size_t capacity)
 {
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(capacity), nullptr, GL_STREAM_DRAW);
@@ -103,7 +103,7 @@ std::optional<size_t> GlStreamBuffer::write(std::span<const std::byte> bytes)
         }
     }
     const size_t offset = used_;
-    // Unsynchronised: this range was never read since the storage was renewed.
+    // Unsynchronised, because this range was not read since the storage was renewed.
     void* target = glMapBufferRange(
         GL_ARRAY_BUFFER, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(bytes.size()),
         GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_RANGE_BIT | GL_MAP_UNSYNCHRONIZED_BIT);

@@ -8,7 +8,7 @@ namespace occlude {
 
 namespace {
 
-// A wait that takes longer gives its time to others.
+// After this time a wait yields to other threads.
 constexpr double kPatienceMs = 2.0;
 
 bool available(const GlQuery& query)
@@ -137,7 +137,7 @@ Ticket GlQueryPool::promise(std::shared_ptr<GlFlagBatch> flags, size_t test)
     return ticket_of(*slot);
 }
 
-// Reads the result, which blocks if it is not there yet.
+// Reads the result, which blocks if it has not arrived.
 Answer GlQueryPool::spend(Slot& slot)
 {
     uint64_t samples = slot.samples;
@@ -168,8 +168,8 @@ Answer GlQueryPool::poll(Ticket ticket)
     return spend(*slot);
 }
 
-// Waits for an answer as long as the frame's budget lasts. Looks again and again instead of asking
-// for the result, which would block for ever if the answer never comes.
+// Waits for an answer as long as the frame's budget lasts. Polls instead of asking for the result,
+// which would block for ever if the answer never comes.
 bool GlQueryPool::answer_comes(const Slot& slot)
 {
     using Clock = std::chrono::steady_clock;
@@ -177,7 +177,7 @@ bool GlQueryPool::answer_comes(const Slot& slot)
     for (uint64_t looks = 0; !answer_is_there(slot); ++looks) {
         const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
         if (waited_ms_ + ms > wait_budget_ms_) {
-            waited_ms_ = wait_budget_ms_; // this frame waits no more
+            waited_ms_ = wait_budget_ms_; // this frame has no budget left
             faults_.timed_out = true;
             return false;
         }
@@ -190,7 +190,7 @@ bool GlQueryPool::answer_comes(const Slot& slot)
     return true;
 }
 
-// A query whose answer did not come is still the driver's: its slot gets another one.
+// A query whose answer did not come still belongs to the driver: its slot gets a new one.
 void GlQueryPool::abandon(Slot& slot)
 {
     if (slot.state == SlotState::issued) {

@@ -1,4 +1,4 @@
-// What GlDevice asks of an engine: draw these items, and set your state again after my tests.
+// The interface that an engine implements for GlDevice: draw items, and restore state after tests.
 #pragma once
 
 #include <occlude/core/ids.h>
@@ -16,8 +16,8 @@ public:
     virtual ~GlScene() = default;
 
     /// Binds the target, sets the viewport (view.size_px() pixels from view.viewport_origin_px(),
-    /// or wherever the engine draws this view; and glClipControl and glDepthRange, where the view's
-    /// convention needs them), clears, and sets everything that draw() relies on.
+    /// or where the engine draws this view), and glClipControl and glDepthRange if the view's
+    /// convention needs them. Clears, and sets all state that draw() relies on.
     virtual void begin_frame(const View& view) = 0;
 
     /// Draws the items with the camera of begin_frame(). Must neither begin nor end a query of
@@ -25,13 +25,13 @@ public:
     /// compute bit-identical positions to `depth_only` (`invariant gl_Position`).
     virtual void draw(std::span<const ItemId> items, DrawPass pass) = 0;
 
-    /// Called once before the first test after drawing, before the device changes anything. An
-    /// engine that draws with state that tests do not allow turns it off here (docs/devices.md
-    /// lists it: stencil, polygon offset, alpha to coverage, ...), and saves what restore_state()
-    /// is to set again.
+    /// Called once before the first test after drawing, before the device changes any state. An
+    /// engine that draws with state that tests do not allow (docs/devices.md lists it: stencil,
+    /// polygon offset, alpha to coverage, ...) turns it off here, and saves the state that
+    /// restore_state() sets again.
     virtual void prepare_tests() {}
 
-    /// Sets again what draw() relies on of the state that tests or prepare_tests() changed. Called
+    /// Restores the state that draw() relies on and that tests or prepare_tests() changed. Called
     /// once before the first draw() after tests, and before end_frame() after tests.
     virtual void restore_state() = 0;
 

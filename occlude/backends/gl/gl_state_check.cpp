@@ -22,7 +22,8 @@ struct Switch {
 
 constexpr std::array<Switch, 6> kMustBeOff{{
     {GL_STENCIL_TEST, Severity::error, "gl.stencil_test",
-     "the stencil test is on while boxes are tested, and what it rejects counts as hidden: disable "
+     "the stencil test is on while boxes are tested, and the samples that it rejects count as "
+     "hidden: disable "
      "GL_STENCIL_TEST in GlScene::prepare_tests()"},
     {GL_RASTERIZER_DISCARD, Severity::error, "gl.rasterizer_discard",
      "GL_RASTERIZER_DISCARD is on while boxes are tested, so that everything counts as hidden: "
@@ -60,7 +61,8 @@ void check_switches(Messages& messages)
         if (glIsEnabled(GL_CLIP_DISTANCE0 + static_cast<GLenum>(i))) {
             messages.report(Severity::error, "gl.clip_distance",
                             "GL_CLIP_DISTANCE" + std::to_string(i) +
-                                " is on while boxes are tested, whose shader writes none: disable "
+                                " is on while boxes are tested, but their shader writes no clip "
+                                "distance: disable "
                                 "it in GlScene::prepare_tests()");
         }
     }
@@ -79,7 +81,7 @@ void check_switches(Messages& messages)
 
 void check_polygon_mode(Messages& messages)
 {
-    std::array<GLint, 2> mode{GL_FILL, GL_FILL}; // compatibility profiles have two
+    std::array<GLint, 2> mode{GL_FILL, GL_FILL}; // compatibility profiles have two polygon modes
     glGetIntegerv(GL_POLYGON_MODE, mode.data());
     if (mode[0] != GL_FILL) {
         messages.report(Severity::error, "gl.polygon_mode",
@@ -143,7 +145,7 @@ void check_depth(const View& view, const GlTargetState& target, int gl_version, 
     }
 }
 
-// There is no question for this: ending it is an error if it is not active.
+// OpenGL has no query for this: ending it is an error if it is not active.
 void check_conditional_rendering(Messages& messages)
 {
     for (int i = 0; i < kMostErrors && glGetError() != GL_NO_ERROR; ++i) {

@@ -56,7 +56,7 @@ void GlTargetState::to_view_depth(DepthOrder order, std::span<float> depths) con
         }
         return;
     }
-    // Whoever compares pays for kDepthMargin, a number of steps of the whole depth buffer.
+    // The comparison allows for kDepthMargin, a number of steps of the whole depth buffer.
     const float scale = 1.0f / (depth_far - depth_near);
     const float margin = ScreenBounds::kDepthMargin * std::max(std::abs(scale) - 1.0f, 0.0f);
     std::ranges::transform(depths, depths.begin(), [&](float d) {

@@ -12,8 +12,8 @@
 
 namespace occlude {
 
-// EGL by hand instead of through libepoxy, which ends the process when a library or an entry point
-// is missing. Libraries are never unloaded: drivers do not survive that.
+// EGL is loaded by hand instead of through libepoxy, which ends the process if a library or an
+// entry point is missing. Libraries are never unloaded, because drivers do not survive that.
 struct HeadlessContext::Egl {
     decltype(&eglGetProcAddress) get_proc_address = nullptr;
     decltype(&eglQueryString) query_string = nullptr;
@@ -66,7 +66,7 @@ bool has_word(const char* words, std::string_view word)
     return false;
 }
 
-// Core contexts from the highest version down; null if not even 3.3 can be had.
+// Tries core contexts from the highest version down; null if even 3.3 is not available.
 template <class Egl>
 EGLContext create_core_context(const Egl& egl, EGLDisplay display, EGLConfig config)
 {
@@ -89,7 +89,7 @@ EGLContext create_core_context(const Egl& egl, EGLDisplay display, EGLConfig con
     return EGL_NO_CONTEXT;
 }
 
-// The surfaceless display where there is such a platform, the default one elsewhere.
+// The surfaceless display if the platform exists, otherwise the default one.
 template <class Egl>
 EGLDisplay open_display(const Egl& egl)
 {

@@ -13,12 +13,12 @@ struct HeadlessContextOptions {
                                              ///< on machines without it
 };
 
-/// A surfaceless EGL context of the highest OpenGL core version there is, at least 3.3. Draws only
-/// into framebuffer objects. The EGL display is shared by the process and stays initialised.
+/// A surfaceless EGL context of the highest available OpenGL core version, at least 3.3. Draws only
+/// into framebuffer objects. The process shares one EGL display, which stays initialised.
 class HeadlessContext {
 public:
-    /// A context, already current in this thread. Fails with `unsupported` and the reason where
-    /// there is no EGL library, no surfaceless display, or no OpenGL 3.3.
+    /// Creates a context and makes it current in this thread. Fails with `unsupported` and the
+    /// reason if there is no EGL library, no surfaceless display, or no OpenGL 3.3.
     static Result<std::unique_ptr<HeadlessContext>>
     create(const HeadlessContextOptions& options = {});
 

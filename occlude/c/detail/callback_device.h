@@ -12,11 +12,11 @@ namespace occlude::c {
 
 class CallbackDevice final : public QueryDevice {
 public:
-    /// `functions` was checked by check(). `view` outlives the device; null where no frame is
-    /// begun.
+    /// Precondition: check() accepted `functions`. `view` must outlive the device; it is null if no
+    /// frame is begun.
     CallbackDevice(const occlude_device& functions, const occlude_view* view);
 
-    /// What is missing in `device`; an empty string if nothing is.
+    /// The error in `device`; an empty string if there is none.
     static std::string check(const occlude_device* device);
 
     const DeviceCaps& caps() const override { return caps_; }

@@ -1,5 +1,5 @@
-// What every function of the C interface goes through: nothing throws across it, and a status
-// other than OCCLUDE_OK leaves a sentence.
+// The frame of every function of the C interface: nothing throws across it, and a status other than
+// OCCLUDE_OK leaves a sentence.
 #pragma once
 
 #include <occlude/c/occlude.h>
@@ -22,7 +22,7 @@ namespace occlude::c {
 occlude_status fail(occlude_status status, std::string sentence) noexcept;
 occlude_status fail(const Error& error) noexcept;
 
-/// Runs `body`, which returns an occlude_status, and turns what it throws into one.
+/// Runs `body`, which returns an occlude_status, and turns an exception into a status.
 template <class Body>
 occlude_status guarded(Body&& body) noexcept
 {
@@ -37,7 +37,7 @@ occlude_status guarded(Body&& body) noexcept
     }
 }
 
-/// A copy of a struct of the caller, who may know fewer members: the others are 0.
+/// A copy of a struct of the caller, who may know fewer members; the missing ones are 0.
 template <class Struct>
 Struct all_members(const Struct& from)
 {
@@ -49,7 +49,7 @@ Struct all_members(const Struct& from)
 /// Options as the registry takes them. An error names the entry whose name or value is null.
 Result<std::vector<OptionValue>> options_from(const occlude_option* options, size_t count);
 
-/// The library's view of a view; an error says what is missing.
+/// The library's form of a view; an error says what is missing.
 Result<View> view_from(const occlude_view* view);
 
 } // namespace occlude::c

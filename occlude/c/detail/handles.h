@@ -18,7 +18,7 @@ struct occlude_hierarchy {
     }
 
     occlude::Hierarchy tree;
-    size_t item_count; ///< that were handed over; ids are smaller
+    size_t item_count; ///< number of items that were handed over; ids are smaller
 };
 
 struct occlude_culler {

@@ -1,4 +1,4 @@
-// What all checks share: the device, the report, and asking in one line.
+// The common parts of all checks: the device, the report, and tests in one line.
 #pragma once
 
 #include <occlude/conformance/conformance.h>
@@ -11,11 +11,11 @@
 
 namespace occlude::conformance {
 
-/// What a test of known content must be answered with.
+/// The required answer to a test of known content.
 enum class Expect : uint8_t {
     visible, ///< never 0
     hidden,  ///< 0, unless the device may call everything visible
-    nothing, ///< any answer, if it is one
+    nothing, ///< any valid answer
 };
 
 class Checker {
@@ -56,10 +56,10 @@ public:
     /// Ends the frame and collects: by wait, or by polls over further frames.
     Answer resolve(Ticket ticket);
 
-    /// Resolves the ticket and compares.
+    /// Resolves the ticket and compares the answer.
     Answer expect(std::string_view rule, Ticket ticket, Expect expected, std::string_view what);
     void check(std::string_view rule, bool kept, std::string_view sentence);
-    /// That `answer` is lost and reads as visible.
+    /// Checks that `answer` is lost and reads as visible.
     void expect_lost(std::string_view rule, const Answer& answer, std::string_view what);
 
 private:

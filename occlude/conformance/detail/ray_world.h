@@ -1,4 +1,5 @@
-// Boxes seen through a camera by rays, in double precision: what a device must agree with.
+// Boxes seen through a camera by rays, in double precision: the truth that a device must agree
+// with.
 #pragma once
 
 #include <occlude/core/aabb.h>
@@ -25,10 +26,10 @@ struct Ray {
     glm::dvec3 direction;
 };
 
-/// Where a ray enters a box, between the near and the far plane; infinite if it misses.
+/// The point at which a ray enters a box between the near and the far plane; infinite if it misses.
 double entry(const Ray& ray, const Aabb& box);
 
-/// What one ray hits first.
+/// The first hit of a ray.
 struct Hit {
     size_t item = kNothing;
     double at = std::numeric_limits<double>::infinity();
@@ -54,11 +55,11 @@ private:
 /// The five points of a pixel whose rays must agree: its centre and four near its corners.
 std::array<glm::dvec2, 5> probes(int x, int y);
 
-/// The first of `boxes`, among those that `drawn` lists, that the ray hits.
+/// The first of the boxes listed in `drawn` that the ray hits.
 Hit first_hit(const Ray& ray, std::span<const Aabb> boxes, std::span<const size_t> drawn);
 
-/// True if some pixel shows `box` beyond doubt: by all its probes, the box's surface is nearer than
-/// whatever is drawn. Errs toward false.
+/// True if some pixel certainly shows `box`: at all its probes, the box's surface is nearer than
+/// everything drawn. Errs toward false.
 bool surely_visible(const RayCamera& camera, const Aabb& box, std::span<const Aabb> boxes,
                     std::span<const size_t> drawn);
 

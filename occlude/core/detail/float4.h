@@ -19,7 +19,7 @@ using Int4 = int32_t __attribute__((vector_size(16)));
 inline Float4 min4(Float4 a, Float4 b)
 {
 #ifdef __SSE2__
-    return _mm_min_ps(b, a); // what the compilers make four instructions of
+    return _mm_min_ps(b, a); // compilers make four instructions of the expression below
 #else
     return b < a ? b : a;
 #endif
@@ -48,7 +48,7 @@ inline Float4 abs4(Float4 v)
     return std::bit_cast<Float4>(std::bit_cast<Int4>(v) & 0x7fffffff);
 }
 
-/// Toward zero, and the next whole number up; for what an int holds.
+/// Rounds toward zero, and up to the next whole number. Precondition: an int can hold the result.
 inline Int4 truncate4(Float4 v)
 {
     return __builtin_convertvector(v, Int4);

@@ -60,7 +60,8 @@ public:
     /// The items of a cell, by position, ascending.
     std::span<const ItemPosition> items(const Cell& cell) const
     {
-        OCCLUDE_ASSERT(cell.first + cell.count <= items_.size(), "a cell of another grid");
+        OCCLUDE_ASSERT(cell.first + cell.count <= items_.size(),
+                       "the cell belongs to another grid");
         return std::span{items_}.subspan(cell.first, cell.count);
     }
     /// The items that are always visible: their boxes are not bounded, so that they are in no cell.

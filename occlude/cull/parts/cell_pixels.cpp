@@ -22,7 +22,7 @@ bool CellPixels::any_pixel_is_free(CullFrame& frame, OcclusionGrid& grid,
     if (cells.empty()) {
         return false;
     }
-    OCCLUDE_ASSERT(question.depth >= 0.0f, "pixels are asked about a window depth");
+    OCCLUDE_ASSERT(question.depth >= 0.0f, "a question about pixels needs a window depth");
     frame.flush_draws();
     if (join_ != Join::cell) {
         return look(frame, grid, question, cells);

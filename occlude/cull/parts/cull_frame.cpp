@@ -64,7 +64,8 @@ void CullFrame::start_never_culled()
 
 bool CullFrame::visit(NodeId node, PlaneMask& mask)
 {
-    OCCLUDE_ASSERT(node.value < hierarchy_.nodes().size(), "a node of another tree is visited");
+    OCCLUDE_ASSERT(node.value < hierarchy_.nodes().size(),
+                   "the visited node belongs to another tree");
     ++report_.counters.nodes_visited;
     if (view_.frustum().classify(hierarchy_.node(node).box, mask) == Containment::outside) {
         record_.decisions.add(node, Decision::outside);
@@ -85,7 +86,8 @@ bool CullFrame::visit_item(NodeId owner, ItemPosition at, PlaneMask& mask)
 
 bool CullFrame::visit_sphere_first(NodeId node, PlaneMask& mask, float elongation)
 {
-    OCCLUDE_ASSERT(node.value < hierarchy_.nodes().size(), "a node of another tree is visited");
+    OCCLUDE_ASSERT(node.value < hierarchy_.nodes().size(),
+                   "the visited node belongs to another tree");
     ++report_.counters.nodes_visited;
     const Aabb& box = hierarchy_.node(node).box;
     if (classify_sphere_first(view_.frustum(), bounding_sphere(box), box, mask, elongation) ==
@@ -122,7 +124,8 @@ void CullFrame::draw_range(NodeId node, uint32_t first, uint32_t count, PlaneMas
 
 void CullFrame::draw_leaf(NodeId leaf, PlaneMask mask, Decision decision)
 {
-    OCCLUDE_ASSERT(leaf.value < hierarchy_.nodes().size(), "a leaf of another tree is drawn");
+    OCCLUDE_ASSERT(leaf.value < hierarchy_.nodes().size(),
+                   "the drawn leaf belongs to another tree");
     OCCLUDE_ASSERT(is_drawn(decision), "a drawn node has a decision that draws");
     const Node& n = hierarchy_.node(leaf);
     draw_range(leaf, n.first_item, n.subtree_items, mask, decision, DecisionLog::Scope::subtree);
@@ -130,7 +133,8 @@ void CullFrame::draw_leaf(NodeId leaf, PlaneMask mask, Decision decision)
 
 void CullFrame::draw_own(NodeId node, PlaneMask mask, Decision decision)
 {
-    OCCLUDE_ASSERT(node.value < hierarchy_.nodes().size(), "a node of another tree is drawn");
+    OCCLUDE_ASSERT(node.value < hierarchy_.nodes().size(),
+                   "the drawn node belongs to another tree");
     OCCLUDE_ASSERT(is_drawn(decision), "a drawn node has a decision that draws");
     const Node& n = hierarchy_.node(node);
     if (n.own_items > 0) {

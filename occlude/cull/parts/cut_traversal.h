@@ -14,8 +14,7 @@
 //             keep_outside(). A node that was visible and left the frustum is a candidate when it
 //             comes back (rule R8).
 // Cost        O(entries of the cut) per frame, which follows the visible boundary. There is no
-// state
-//             per node of the tree.
+//             state per node of the tree.
 #pragma once
 
 #include <occlude/core/rng.h>

@@ -17,7 +17,7 @@ public:
     size_t size() const { return items_.size() - head_; }
     const T& front() const
     {
-        OCCLUDE_ASSERT(!empty(), "the front of an empty queue");
+        OCCLUDE_ASSERT(!empty(), "an empty queue has no front");
         return items_[head_];
     }
     void push(T item) { items_.push_back(std::move(item)); }

@@ -113,7 +113,7 @@ MultiqueryBatcher::Test MultiqueryBatcher::add_test(std::span<const Member> memb
 template <class AddBoxes>
 MultiqueryBatcher::Test MultiqueryBatcher::add_part(const Test& part, AddBoxes&& add_boxes)
 {
-    OCCLUDE_ASSERT(part.first + part.count <= members_.size(), "a test of another frame");
+    OCCLUDE_ASSERT(part.first + part.count <= members_.size(), "the test belongs to another frame");
     const size_t first_box = batch_.boxes().size();
     for (const Member member : members(part)) {
         add_boxes(member, batch_);
@@ -148,7 +148,7 @@ template <class Each>
 void MultiqueryBatcher::split(CullFrame& frame, const Test& failed, Each&& each)
 {
     frame.counters().multiqueries_failed += failed.spans_nodes ? 1 : 0;
-    OCCLUDE_ASSERT(failed.count > 1, "a test of one node is an answer");
+    OCCLUDE_ASSERT(failed.count > 1, "a test of one node cannot be split");
     const auto most = static_cast<uint32_t>(failed_multiquery_part(failed.count, most_singly_));
     for (uint32_t i = 0; i < failed.count; i += most) {
         each(Test{.first = failed.first + i, .count = std::min(most, failed.count - i)});

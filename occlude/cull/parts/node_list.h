@@ -31,7 +31,7 @@ public:
     static constexpr Position end() { return 0; }
     Position next(Position at) const
     {
-        OCCLUDE_ASSERT(at < entries_.size(), "a position of another frame");
+        OCCLUDE_ASSERT(at < entries_.size(), "the position belongs to another frame");
         return entries_[at].next;
     }
     Entry& operator[](Position at) { return entries_[at]; }
@@ -50,7 +50,7 @@ public:
     /// Takes an entry out and returns the position after it. Its memory is reused after clear().
     Position erase(Position at)
     {
-        OCCLUDE_ASSERT(at != end() && at < entries_.size(), "the end is no entry to be erased");
+        OCCLUDE_ASSERT(at != end() && at < entries_.size(), "the end of the list cannot be erased");
         const auto [previous, next] = std::pair{entries_[at].previous, entries_[at].next};
         entries_[previous].next = next;
         entries_[next].previous = previous;

@@ -29,7 +29,7 @@ ScreenBounds ObjectSpaces::project(const View& view, const Hierarchy& hierarchy,
 
 ObjectSpaces::Tested ObjectSpaces::tested(const View& view, const Hierarchy& hierarchy, NodeId node)
 {
-    OCCLUDE_ASSERT(node.value < hierarchy.nodes().size(), "a node of another tree");
+    OCCLUDE_ASSERT(node.value < hierarchy.nodes().size(), "the node belongs to another tree");
     const ObjectNodes& info = hierarchy.object_nodes();
     const Aabb& world_box = hierarchy.node(node).box;
     if (info.empty()) {
@@ -50,7 +50,7 @@ ObjectSpaces::Tested ObjectSpaces::tested(const View& view, const Hierarchy& hie
 const ObjectSpaces::Space& ObjectSpaces::space_of(const View& view, const Hierarchy& hierarchy,
                                                   uint32_t object)
 {
-    OCCLUDE_ASSERT(object < spaces_.size(), "start_frame() saw another tree");
+    OCCLUDE_ASSERT(object < spaces_.size(), "start_frame() was called for another tree");
     Space& space = spaces_[object];
     if (!space.known) {
         const glm::mat4& map = hierarchy.object_nodes().frames[object].world_from_object;

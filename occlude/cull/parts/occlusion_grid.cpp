@@ -45,7 +45,7 @@ CellRange OcclusionGrid::touched(const PixelRect& rect) const
 {
     OCCLUDE_ASSERT(rect.x >= 0 && rect.y >= 0 && rect.x + rect.width <= size_px_.x &&
                        rect.y + rect.height <= size_px_.y,
-                   "a rectangle inside the target");
+                   "the rectangle must lie inside the target");
     if (rect.width <= 0 || rect.height <= 0) {
         return {};
     }

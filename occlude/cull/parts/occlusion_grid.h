@@ -87,7 +87,7 @@ private:
     size_t index(glm::ivec2 at) const
     {
         OCCLUDE_ASSERT(at.x >= 0 && at.y >= 0 && at.x < cells_in_.x && at.y < cells_in_.y,
-                       "a cell of the grid");
+                       "the cell must lie in the grid");
         return static_cast<size_t>(at.y) * static_cast<size_t>(cells_in_.x) +
                static_cast<size_t>(at.x);
     }

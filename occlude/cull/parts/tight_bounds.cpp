@@ -12,7 +12,7 @@ std::span<const NodeId> TightBounds::collect(const Hierarchy& hierarchy, NodeId 
                                              uint32_t depth, float area)
 {
     const auto nodes = hierarchy.nodes();
-    OCCLUDE_ASSERT(node.value < nodes.size(), "a node of another tree");
+    OCCLUDE_ASSERT(node.value < nodes.size(), "the node belongs to another tree");
     const float largest_area = area * surface_area(nodes[node.value].box);
     tight_.assign(1, node);
     for (uint32_t level = 0; level < depth; ++level) {

@@ -1,4 +1,4 @@
-// Calls as they are recorded and compared. Internal.
+// The byte form of calls, for recording and comparing them. Internal.
 #pragma once
 
 #include <occlude/device/recording.h>
@@ -8,7 +8,7 @@
 
 namespace occlude::detail {
 
-/// What was asked, and caps, as bytes: equal where the calls or the caps are.
+/// The input of a call, and caps, as bytes: equal exactly if the calls or the caps are equal.
 std::string question_bytes(const RecordedCall& call);
 std::string caps_bytes(const DeviceCaps& caps);
 

@@ -1,4 +1,4 @@
-// The least that a test of a box must count, from depth that was read. Internal.
+// The smallest count that a test of a box may have, from depth that was read. Internal.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -7,9 +7,9 @@
 
 namespace occlude::detail {
 
-/// How many pixels must pass a test of this box: those wholly inside its outline whose depth is
-/// farther than all of the box. Errs toward fewer. `depth` holds the pixels of the whole target, or
-/// nothing if it could not be read: then 0. O(pixels of the box).
+/// How many pixels must pass a test of this box: the pixels that lie wholly inside its outline and
+/// whose depth is farther than all of the box. Errs toward fewer. `depth` holds the pixels of the
+/// whole target, or nothing if it could not be read: then the result is 0. O(pixels of the box).
 int sure_pixels(const QueryBox& box, const View& view, std::span<const float> depth);
 
 } // namespace occlude::detail

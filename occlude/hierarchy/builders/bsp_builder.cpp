@@ -38,7 +38,7 @@ struct Side {
     }
 };
 
-// What a box costs: its area, or its length where the boxes of a node lie on one line.
+// The weight of a box: its area, or its length if the boxes of a node lie on one line.
 enum class Measure { area, length };
 
 double measure_of(const Aabb& box, Measure measure)
@@ -75,7 +75,7 @@ struct Planes {
     }
 };
 
-// Which side of a plane a box is on. A flat box in the plane is below.
+// The side of a plane that a box is on. A flat box in the plane is below.
 bool is_below(const Aabb& box, int axis, float plane)
 {
     return box.max[axis] <= plane;
@@ -149,7 +149,7 @@ public:
     }
 
 private:
-    // The plane of a node, or none where no candidate parts anything from the rest.
+    // The plane of a node; none if no candidate separates anything.
     Cut find_cut(Order order) const
     {
         Side all;
@@ -182,7 +182,7 @@ private:
         } else if (options_.split == BspOptions::Split::median) {
             planes.add(median_face(order, axis));
         } else if (order.size() <= kMaxPlanes) {
-            // The upper face of each item: all planes that part few items differently enough.
+            // The upper face of each item. For few items, these planes are enough.
             for (const uint32_t item : order) {
                 planes.add(items_[item].box.max[axis]);
             }
@@ -196,7 +196,8 @@ private:
         return planes;
     }
 
-    // Reorders `order`. The face, not the centre: the median item itself does not straddle it.
+    // Reorders `order`. Takes the face, not the centre, so that the median item does not straddle
+    // the plane.
     float median_face(Order order, int axis) const
     {
         const auto middle = order.begin() + static_cast<std::ptrdiff_t>((order.size() - 1) / 2);
@@ -206,7 +207,7 @@ private:
         return face(*middle);
     }
 
-    // The cheapest of the planes that leave fewer items on each side than there are.
+    // The cheapest of the planes that leave fewer items on each side than the node has.
     Cut best_of(const Planes& planes, Order order, const Side& all, int axis) const
     {
         // ends[i]: items below plane i but not i-1; starts[i]: above plane i but not i+1.
@@ -265,7 +266,7 @@ Hierarchy build_bsp(std::span<const ItemBounds> items, const BspOptions& options
     }
     std::vector<uint32_t> order(items.size());
     std::iota(order.begin(), order.end(), 0u);
-    // No plane can part an unbounded box from anything, nor an empty one.
+    // No plane can separate an unbounded or an empty box from anything.
     const auto bounded = std::stable_partition(
         order.begin(), order.end(), [&](uint32_t item) { return !items[item].box.is_bounded(); });
     const auto odd_count = static_cast<size_t>(bounded - order.begin());

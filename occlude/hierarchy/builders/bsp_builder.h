@@ -10,9 +10,8 @@
 //             tested as the others are; as items of the node itself it is drawn whenever the node
 //             is seen.
 // Guarantees  Deterministic: the same boxes give the same tree on every compiler. The sides of a
-// plane
-//             never overlap (until a refit); with Straddling::own no item straddles a plane above
-//             it.
+//             plane never overlap (until a refit); with Straddling::own no item straddles a plane
+//             above it.
 // Cost        O(n * depth), one thread.
 #pragma once
 
@@ -25,17 +24,17 @@
 namespace occlude {
 
 struct BspOptions {
-    /// Where the plane of a node goes.
+    /// How the plane of a node is chosen.
     enum class Split : uint8_t {
-        cost,   ///< the least area * triangles of both sides and of what straddles the plane
+        cost,   ///< the least area * triangles, summed over both sides and the straddling items
         middle, ///< the middle of the longest axis
         median, ///< the median of the upper faces along the longest axis
     };
     Split split = Split::cost;
-    /// Where an item goes that lies across the plane of a node.
+    /// What happens to an item that straddles the plane of a node.
     enum class Straddling : uint8_t {
-        own,   ///< into the node itself, as in the papers
-        child, ///< into a third child, which other planes part further
+        own,   ///< it becomes an own item of the node, as in the papers
+        child, ///< it goes to a third child, which other planes divide further
     };
     Straddling straddling = Straddling::own;
     /// A node of at most this many items is not split further.
@@ -46,10 +45,10 @@ struct BspOptions {
     uint32_t leaf_triangles = 1024;
 };
 
-/// A BSP tree over items 0 .. items.size()-1. A node has up to two children, the one of the low
-/// side first, or up to three, the one of straddling items before them. Where no plane parts
-/// anything, a leaf keeps all its items. Empty and unbounded boxes are allowed: they are items of
-/// the root, above all planes.
+/// A BSP tree over items 0 .. items.size()-1. A node has up to two children, the low side first, or
+/// up to three, with the straddling items before both sides. If no plane separates anything, a leaf
+/// keeps all its items. Empty and unbounded boxes are allowed: they are items of the root, above
+/// all planes.
 Hierarchy build_bsp(std::span<const ItemBounds> items, const BspOptions& options = {});
 
 /// Names of the options; see core/option_text.h.
@@ -64,14 +63,14 @@ constexpr std::array<std::string_view, 2> option_names(BspOptions::Straddling)
 template <class Visit>
 void visit_options(BspOptions& o, Visit&& visit)
 {
-    visit("split", o.split, "where the plane of a node goes");
-    visit("straddling", o.straddling, "items across the plane: the node's own, or a third child");
+    visit("split", o.split, "how the plane of a node is chosen");
+    visit("straddling", o.straddling,
+          "whether items that straddle the plane stay in the node or go to a third child");
     visit("max_leaf_items", o.max_leaf_items, {1},
-          "a node of at most this many items is not split");
-    visit("max_depth", o.max_depth, {0, 64},
-          "a node so far below the root is not split; at most 64");
+          "a node with at most this many items is not split");
+    visit("max_depth", o.max_depth, {0, 64}, "a node this many levels below the root is not split");
     visit("leaf_triangles", o.leaf_triangles, {},
-          "nodes of at most this many triangles become leaves; 0: none");
+          "nodes with at most this many triangles become virtual leaves; 0: none do");
 }
 
 } // namespace occlude

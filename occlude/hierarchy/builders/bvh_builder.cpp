@@ -20,13 +20,13 @@ using detail::Parts;
 using detail::Primitive;
 using Primitives = std::span<Primitive>;
 
-// Deeper than this, nodes are halved: no input can make the tree, or the recursion, deeper than
+// Deeper nodes are halved, so that no input makes the tree or the recursion deeper than
 // kMaxSahDepth + 32.
 constexpr uint32_t kMaxSahDepth = 64;
 constexpr size_t kParallelBuild = 4096; // items; smaller subtrees are built by one thread
 constexpr size_t kParallelFor = 16384;  // items per task of simple loops
 
-// Memory that nobody has written yet: clearing it first would cost as much as filling it.
+// Memory that was not written yet: clearing it first would cost as much as filling it.
 struct Buffer {
     explicit Buffer(size_t size)
         : data(new Primitive[size])
@@ -38,10 +38,10 @@ struct Buffer {
     Primitives all;
 };
 
-// A subtree in the making. Nodes are numbered within it, its root first, then the descendants as
-// in the finished tree: a pair of children, all below the left one, all below the right one.
+// A subtree under construction. Its nodes are numbered within it, in the order of the finished
+// tree: the root first, then a pair of children, all below the left one, all below the right one.
 struct Subtree {
-    std::vector<Node> nodes;            // of a small one ...
+    std::vector<Node> nodes;            // the nodes of a small subtree ...
     std::unique_ptr<Subtree> left = {}; // ... or the two halves of a large one
     std::unique_ptr<Subtree> right = {};
 };
@@ -173,8 +173,8 @@ public:
         detail::sum_up(node, {}, bounds_);
     }
 
-    // Moves a subtree to its place: its root to nodes[root], which knows its parent, and all else
-    // to the end, in order.
+    // Moves a subtree to its place: its root to nodes[root], which knows its parent, and all other
+    // nodes to the end, in order.
     void place(Subtree& tree, size_t root, std::vector<Node>& nodes) const
     {
         const NodeId parent = nodes[root].parent;
@@ -224,7 +224,7 @@ public:
     std::span<const ItemBounds> bounds() const { return bounds_; }
 
 private:
-    // Node ids are those of the subtree. Its nodes may move while it grows.
+    // `node` is an id within the subtree. Its nodes may move in memory while it grows.
     void build_small(std::vector<Node>& nodes, size_t node, Primitives from, Primitives to,
                      size_t first_item, const Extent& centers, uint32_t depth)
     {
@@ -246,8 +246,8 @@ private:
         close(nodes, node);
     }
 
-    // Finishes a node with two finished children. If it is too large for a virtual leaf, its
-    // children become virtual leaves where they are small enough.
+    // Finishes a node with two finished children. If it is too large for a virtual leaf, those of
+    // its children that are small enough become virtual leaves.
     void close(std::vector<Node>& nodes, size_t node) const
     {
         detail::sum_up(nodes[node], nodes, bounds_);
@@ -301,7 +301,8 @@ Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options
     Buffer scratch(items.size());
     group(items, census, primitives.all, tasks);
 
-    // One kind of boxes: the root is theirs. Otherwise each kind gets a child of the root.
+    // If all boxes are of one kind, the root holds them. Otherwise each kind gets a child of the
+    // root.
     const auto kinds = static_cast<size_t>(
         std::count_if(census.sizes.begin(), census.sizes.end(), [](size_t n) { return n > 0; }));
     Builder builder(items, census.flags, options, tasks);

@@ -19,14 +19,14 @@ namespace occlude {
 struct BvhOptions {
     /// A node of at most this many items is not split further. 0 counts as 1.
     uint32_t max_leaf_items = 4;
-    /// ... unless it holds several and they have more triangles than this together.
+    /// ... unless it has several items with more triangles than this together.
     uint32_t max_leaf_triangles = 64;
-    /// Nodes with at most this many triangles become virtual leaves. The measured default; see
-    /// docs/hierarchy.md. 0: no virtual leaves.
+    /// Nodes with at most this many triangles become virtual leaves. docs/hierarchy.md says how the
+    /// default was measured. 0: no virtual leaves.
     uint32_t leaf_triangles = 1024;
-    /// Candidate planes per axis, plus one: 2 to 32.
+    /// The number of candidate planes per axis, plus one: 2 to 32.
     uint32_t bins = 16;
-    /// Who builds subtrees side by side; must live until build_bvh() returns. Null:
+    /// Runs the work on subtrees in parallel; must live until build_bvh() returns. Null:
     /// default_task_runner().
     TaskRunner* tasks = nullptr;
 };
@@ -34,10 +34,10 @@ struct BvhOptions {
 /// A BVH over items 0 .. items.size()-1; no items give an empty hierarchy. Each inner node has two
 /// children, each real leaf 1 to max_leaf_items items in the order of their ids.
 ///
-/// Empty, unbounded and NaN boxes are allowed: the unbounded (and NaN) ones are gathered in a leaf
-/// of their own below the root, so that they do not spoil the other boxes, and the empty ones in
-/// another, whose box is empty: it is outside of every frustum, so that they are never drawn. Then
-/// the root has up to three children and never is a virtual leaf.
+/// Empty, unbounded and NaN boxes are allowed. The unbounded and NaN ones go into a leaf of their
+/// own below the root, so that they do not enlarge other boxes. The empty ones go into another
+/// leaf, whose box is empty: it is outside every frustum, so that they are never drawn. With such
+/// leaves the root has up to three children and is never a virtual leaf.
 Hierarchy build_bvh(std::span<const ItemBounds> items, const BvhOptions& options = {});
 
 /// Names of the options; see core/option_text.h.
@@ -45,11 +45,11 @@ template <class Visit>
 void visit_options(BvhOptions& o, Visit&& visit)
 {
     visit("max_leaf_items", o.max_leaf_items, {1},
-          "a node of at most this many items is not split");
+          "a node with at most this many items is not split");
     visit("max_leaf_triangles", o.max_leaf_triangles, {}, "... unless they have more triangles");
     visit("leaf_triangles", o.leaf_triangles, {},
-          "nodes of at most this many triangles become leaves; 0: none");
-    visit("bins", o.bins, {2, 32}, "planes tried per axis, plus one: 2 to 32");
+          "nodes with at most this many triangles become virtual leaves; 0: none do");
+    visit("bins", o.bins, {2, 32}, "number of candidate planes per axis, plus one");
 }
 
 } // namespace occlude

@@ -1,5 +1,5 @@
-// What the octree and the grid have in common: items are in the cell of their centre, and what has
-// no centre stays with the root. Internal to hierarchy/.
+// The common part of the octree and the grid: an item is in the cell of its centre, and items
+// without a centre stay with the root. Internal to hierarchy/.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>
@@ -14,16 +14,16 @@ struct CellTree {
     std::vector<uint32_t> order;
     std::vector<Node> nodes;
 
-    /// All ids of `items`, those of unbounded and empty boxes first; a root that keeps these; and
-    /// below it, or in its place if there are none of these, a node for the rest.
+    /// Contains all ids of `items`, first those of unbounded and empty boxes. The root keeps these.
+    /// The rest gets a node below the root; if there are no such boxes, this node is the root.
     explicit CellTree(std::span<const ItemBounds> items);
 
-    uint32_t odd_items = 0; ///< how many of `order` stay with the root
-    size_t top = 0;         ///< the node for the rest; nodes.size() if there is no rest
+    uint32_t odd_items = 0; ///< number of items at the front of `order` that stay with the root
+    size_t top = 0;         ///< the node for the rest; nodes.size() if there are no other items
 
-    /// Makes the items [first, end) of `order` the own items of a node.
+    /// Makes items [first, end) of `order` the own items of a node.
     void make_leaf(size_t node, size_t first, size_t end);
-    /// Gives a node `count` children at the end of `nodes`, and returns the first.
+    /// Adds `count` children of a node at the end of `nodes`, and returns the first.
     size_t add_children(size_t node, size_t first, size_t count);
 
     Hierarchy finish(std::span<const ItemBounds> items, uint32_t leaf_triangles);

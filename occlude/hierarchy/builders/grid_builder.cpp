@@ -45,7 +45,7 @@ public:
     }
 
 private:
-    // Orders the items by cell, then by id; where each occupied cell starts, and the end.
+    // Orders the items by cell, then by id. Returns where each occupied cell starts, and the end.
     std::vector<size_t> sort_into_cells(size_t first, size_t end)
     {
         Aabb centers;

@@ -50,13 +50,13 @@ constexpr std::array kKinds{
     describe<BvhOptions, build_bvh>(
         "bvh", "bounding volume hierarchy, binned surface area heuristic", false),
     describe<BspOptions, build_bsp>(
-        "bsp", "axis-aligned planes; what straddles a plane stays in the inner node", true),
+        "bsp", "axis-aligned BSP tree; items that straddle a plane stay in the inner node", true),
     describe<OctreeOptions, build_octree>(
-        "octree", "cubes halved along all axes; an item is where its centre is", false),
+        "octree", "cubes halved along all axes; an item is in the cube of its centre", false),
     describe<GridOptions, build_grid>(
-        "grid", "a grid of cells, each a grid again where it holds more than one item", false),
+        "grid", "a grid of cells; a cell with more than one item holds a nested grid", false),
     describe<TwoLevelOptions, build_two_level>(
-        "two_level", "a bsp of objects, with a bsp of its parts below each; they may move", true),
+        "two_level", "a BSP of objects, and below each a BSP of its parts; objects may move", true),
 };
 
 } // namespace

@@ -31,8 +31,9 @@ struct LocalBuilder {
         });
     }
 
-    // The cheapest way to cut parts sorted by their middles in two: area times parts of both sides,
-    // and where sides overlap along the axis, the tree is no BSP: that comes last.
+    // The cheapest way to divide parts, sorted by their middles, in two: the least sum of area
+    // times parts. Divisions whose sides overlap along the axis come last, because the tree would
+    // not be a BSP.
     std::pair<double, size_t> best_cut(std::span<const uint32_t> parts, int axis)
     {
         from_right.assign(parts.size() + 1, Aabb{});

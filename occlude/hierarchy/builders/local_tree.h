@@ -22,8 +22,8 @@ struct LocalTree {
     std::vector<Node> nodes; ///< the root first, parents before their children
 };
 
-/// A local tree over parts with these boxes: each node is cut by the plane that parts its boxes
-/// best, so that the tree of parts cut by planes (split_triangles) finds those planes again.
+/// A local tree over parts with these boxes. Each node is divided by the plane that separates its
+/// boxes best, so that for parts cut by planes (split_triangles) the tree finds those planes again.
 /// Deterministic. Empty for no parts. O(n log^2 n).
 LocalTree build_local_tree(std::span<const Aabb> part_boxes);
 

@@ -23,7 +23,7 @@ uint64_t spread_bits(uint64_t x)
     return x;
 }
 
-// The octants of a point from the root down, three bits each: which child, of which child, ...
+// The octants of a point from the root down, three bits for each level.
 uint64_t morton_code(const glm::dvec3& center, const glm::dvec3& low, double cube_size)
 {
     uint64_t code = 0;
@@ -57,7 +57,7 @@ public:
             tree.make_leaf(node, first, end);
             return;
         }
-        // The first level that parts anything: above it, only one octant is occupied.
+        // The first level with more than one occupied octant; the levels above it get no node.
         const auto digit = static_cast<uint32_t>(std::bit_width(differing) - 1) / 3;
         std::vector<size_t> starts;
         for (size_t i = first; i < end; ++i) {

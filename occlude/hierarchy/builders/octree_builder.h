@@ -1,10 +1,10 @@
 // Octree by the centres of the items.
 //
-// Implements  the octree as everybody draws it: a cube is halved along all three axes at once until
-//             few items are left. Built from the Morton codes of the centres, sorted once.
-// Deviations  An item is in the cell of its centre and in no other, so cells overlap by as much as
-//             items are large; node boxes are those of the items, not the cubes: tighter, and what
-//             is tested. A cube with only one occupied octant has no node; empty octants have none.
+// Implements  the common octree: a cube is halved along all three axes at once until few items are
+//             left. Built from the Morton codes of the centres, sorted once.
+// Deviations  An item is only in the cell of its centre, so cells overlap by the size of their
+//             items. Node boxes bound the items, not the cubes, because tests need tight boxes. A
+//             cube with only one occupied octant has no node, nor has an empty octant.
 // Guarantees  Deterministic: the same boxes give the same tree on every compiler.
 // Cost        O(n log n), one thread; about half the processor time of build_bvh().
 #pragma once
@@ -18,7 +18,8 @@ namespace occlude {
 struct OctreeOptions {
     /// A cube of at most this many items is not split further.
     uint32_t max_leaf_items = 1;
-    /// Cubes are halved at most so often; at most 21. Items that are still together share a leaf.
+    /// Cubes are halved at most this many times, at most 21. Items that are then still together
+    /// share a leaf.
     uint32_t max_depth = 21;
     /// Nodes with at most this many triangles become virtual leaves. 0: no virtual leaves.
     uint32_t leaf_triangles = 1024;
@@ -33,10 +34,10 @@ template <class Visit>
 void visit_options(OctreeOptions& o, Visit&& visit)
 {
     visit("max_leaf_items", o.max_leaf_items, {1},
-          "a cube of at most this many items is not split");
-    visit("max_depth", o.max_depth, {0, 21}, "cubes are halved at most so often; at most 21");
+          "a cube with at most this many items is not split");
+    visit("max_depth", o.max_depth, {0, 21}, "cubes are halved at most this many times");
     visit("leaf_triangles", o.leaf_triangles, {},
-          "nodes of at most this many triangles become leaves; 0: none");
+          "nodes with at most this many triangles become virtual leaves; 0: none do");
 }
 
 } // namespace occlude

@@ -28,8 +28,8 @@ struct Bin {
     }
 };
 
-// What a box costs: its area, or its length where all boxes of the node lie on one line and no area
-// could tell splits apart.
+// The weight of a box: its area, or its length if all boxes of the node lie on one line, where
+// areas could not tell splits apart.
 enum class Measure { area, length };
 
 double measure_of(const Extent& extent, Measure measure)
@@ -43,7 +43,7 @@ double measure_of(const Extent& extent, Measure measure)
 double cost(const Bin& bin, Measure measure)
 {
     return bin.weight > 0 ? measure_of(bin.extent, measure) * static_cast<double>(bin.weight)
-                          : Aabb::kInfinity; // such a split does not split
+                          : Aabb::kInfinity; // such a split leaves one side empty
 }
 
 // Maps centres to bins, per axis. An axis on which all centres coincide, or whose extent is too
@@ -75,8 +75,8 @@ struct Binning {
     }
 };
 
-// Room for `capacity` bins per axis: most nodes are small, and clearing bins that they cannot fill
-// would cost more than the rest.
+// Reserves `capacity` bins per axis: most nodes are small, and clearing bins that they cannot fill
+// would cost more than all other work.
 template <size_t capacity>
 struct Bins {
     std::array<std::array<Bin, capacity>, 3> bins; // [axis][bin]
@@ -163,7 +163,7 @@ Border best_border(std::span<const Primitive> primitives, const Binning& binning
     return best;
 }
 
-// All lanes of the answer: whether the centre lies before the border.
+// All lanes of the result say whether the centre lies before the border.
 template <int axis>
 Int4 is_left(Float4 center, const Binning& binning, const Border& border)
 {
@@ -171,8 +171,8 @@ Int4 is_left(Float4 center, const Binning& binning, const Border& border)
     return Int4{} + left[axis];
 }
 
-// Writes to both ends of `to` and keeps the one it meant, and takes centres of the other side as
-// NaN, which min4 and max4 pass over: no branch to guess wrong.
+// Writes each item to both ends of `to` and advances only the right end. Centres of the other side
+// become NaN, which min4 and max4 ignore. So there is no branch to mispredict.
 template <int axis>
 Parts distribute(std::span<const Primitive> from, std::span<Primitive> to, const Binning& binning,
                  const Border& border)
@@ -211,7 +211,7 @@ Parts halve_at_median(std::span<Primitive> from, std::span<Primitive> to, const 
         const bool swapped = before(from[1], from[0]);
         to[0] = from[swapped ? 1 : 0];
         to[1] = from[swapped ? 0 : 1];
-        return {1, {}, {}}; // nobody asks a single item for its centre
+        return {1, {}, {}}; // nobody reads the centre of a single item
     }
     const size_t half = from.size() / 2;
     std::nth_element(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(half), from.end(),
@@ -235,7 +235,7 @@ Parts part(std::span<Primitive> from, std::span<Primitive> to, const Extent& cen
            bool halve, TaskRunner& tasks)
 {
     if (!halve && from.size() > 2) {
-        // More bins than items find nothing more.
+        // More bins than items find no better split.
         const auto few = static_cast<uint32_t>(std::min<size_t>(from.size(), bins));
         const Binning binning(centers, few);
         const Border best = few <= 4    ? best_border<4>(from, binning, tasks)

@@ -173,8 +173,8 @@ void SceneBsp::unlink(Slot slot)
     object.cell = kNone;
 }
 
-// Counts a change of link in the subtrees of `from` and `to`, up to where the paths meet: above
-// that, nothing went in or out. With one of them kNone, all the way up.
+// Counts a change of link in the subtrees of `from` and `to`, up to the node where the paths meet.
+// Above it, no subtree has gained or lost anything. If one of them is kNone, counts up to the root.
 void SceneBsp::count_change(uint32_t from, uint32_t to)
 {
     while (from != to) {

@@ -1,4 +1,4 @@
-// How the scene BSP is built, and which part of it is built again.
+// Builds the scene BSP, and chooses the part of it to rebuild.
 #include <occlude/hierarchy/builders/detail/scene_bsp.h>
 
 #include <occlude/hierarchy/detail/box_area.h>
@@ -33,8 +33,8 @@ uint32_t SceneBsp::take_pair(uint32_t parent)
     return first;
 }
 
-// The plane of least area * items of both sides and of what straddles it; false if no plane beats
-// leaving the cell as it is.
+// The plane with the least area * items, summed over both sides and the straddling objects; false
+// if every plane costs more than leaving the cell undivided.
 bool SceneBsp::choose_plane(std::span<const Slot> slots, Plane& best) const
 {
     struct Side {
@@ -83,7 +83,7 @@ bool SceneBsp::choose_plane(std::span<const Slot> slots, Plane& best) const
     return found;
 }
 
-// Links `slots`, which are linked nowhere, below `cell`, which has no children.
+// Links `slots`, which are not linked, below `cell`, which has no children.
 void SceneBsp::build_cells(uint32_t cell, std::vector<Slot> slots)
 {
     std::vector<Slot> low;
@@ -153,8 +153,8 @@ bool SceneBsp::needs_rebuild(const Cell& cell) const
            std::max(allowed, static_cast<float>(options_.leaf_objects));
 }
 
-// Rebuilds at most one subtree: the one with the most changes among the subtrees that need it, and
-// of equals the upper one, which contains the lower ones.
+// Rebuilds at most one subtree: of those that need it, the one with the most changes, and of equals
+// the upper one, which contains the lower ones.
 void SceneBsp::reconstruct()
 {
     if (updates_ < reconstruct_at_) {

@@ -28,7 +28,7 @@ TwoLevelTree::TwoLevelTree(const TwoLevelOptions& options)
 
 TwoLevelTree::TwoLevelTree(TwoLevelTree&&) noexcept = default;
 
-// The contents move, not the parts: cullers keep a reference to the hierarchy that lies in them.
+// Moves the contents, not the parts: cullers keep a reference to the hierarchy inside.
 TwoLevelTree& TwoLevelTree::operator=(TwoLevelTree&& other) noexcept
 {
     if (this != &other && parts_ != nullptr && other.parts_ != nullptr) {
@@ -106,7 +106,7 @@ std::string TwoLevelTree::check() const
         }
         if (nodes.object[i] == ObjectNodes::kScene &&
             !contains(nodes.box[i], tree.nodes()[i].box)) {
-            return "scene node " + std::to_string(i) + " is tested as less than itself";
+            return "scene node " + std::to_string(i) + " has a test box that does not contain it";
         }
     }
     size_t items = 0;
@@ -114,7 +114,7 @@ std::string TwoLevelTree::check() const
         items += object.item_count;
     }
     if (items != tree.items().size()) {
-        return "an item is missing";
+        return "an item is missing from the tree";
     }
     return parts_->bsp.check();
 }

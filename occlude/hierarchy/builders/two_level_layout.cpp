@@ -11,7 +11,7 @@ namespace occlude::detail {
 namespace {
 
 constexpr uint32_t kNone = SceneBsp::kNone;
-/// A partial refit pays where at most one item in this many has moved.
+/// A partial refit pays if at most one item in this many has moved.
 constexpr size_t kItemsPerMoved = 8;
 
 Aabb intersection(const Aabb& a, const Aabb& b)
@@ -85,8 +85,8 @@ void TwoLevelLayout::emit_local(Arrays& arrays, const SceneBsp::Object& object, 
     emit_local(arrays, object, slot, node.first_child + 1, first + 1);
 }
 
-// Simple objects are items of the node; halves with something in them and complex objects are its
-// children.
+// Simple objects are own items of the node. Its children are the two halves, unless they are empty,
+// and complex objects.
 void TwoLevelLayout::emit_cell(Arrays& arrays, const SceneBsp& bsp, uint32_t cell, uint32_t at)
 {
     const SceneBsp::Cell& c = bsp.cell(cell);
@@ -140,7 +140,7 @@ void TwoLevelLayout::lay_out(const SceneBsp& bsp, std::span<const ItemBounds> bo
     hierarchy_ = Hierarchy::from_arrays(std::move(arrays.nodes), std::move(arrays.items),
                                         std::move(arrays.item_bounds));
     hierarchy_.set_virtual_leaves(options_.leaf_triangles);
-    hierarchy_.set_shapes(shapes); // they go by item, and items stay
+    hierarchy_.set_shapes(shapes); // they are indexed by item, and items stay
     cell_of_ = std::move(arrays.cell_of);
     local_of_ = std::move(arrays.local_of);
     object_of_ = std::move(arrays.object_of);
@@ -150,8 +150,8 @@ void TwoLevelLayout::lay_out(const SceneBsp& bsp, std::span<const ItemBounds> bo
     set_object_nodes(bsp, std::move(object_nodes));
 }
 
-// What a node of the scene BSP is tested as: its cell while its contents move, else the box around
-// them.
+// The box to test for a node of the scene BSP: its cell while its contents move, else the box
+// around them.
 Aabb TwoLevelLayout::cell_test_box(const SceneBsp& bsp, const SceneBsp::Cell& cell,
                                    const Aabb& tight) const
 {
@@ -201,8 +201,7 @@ void TwoLevelLayout::set_object_nodes(const SceneBsp& bsp, ObjectNodes object_no
     hierarchy_.set_object_nodes(std::move(object_nodes));
 }
 
-// True if every moved object that was turned still is, and no other one became so: boxes stay in
-// the space that they are in.
+// True if no moved object has become rotated or ceased to be rotated: boxes stay in their spaces.
 bool TwoLevelLayout::oriented_as_before(const SceneBsp& bsp) const
 {
     const std::vector<ObjectNodes::ObjectFrame>& frames = hierarchy_.object_nodes().frames;
@@ -221,7 +220,8 @@ void TwoLevelLayout::refit(const SceneBsp& bsp, std::span<const ItemBounds> boun
         }
     }
     const bool few = moved_items_.size() * kItemsPerMoved <= hierarchy_.items().size();
-    // With quiet_frames, cells become quiet where nothing has moved: all boxes are looked at.
+    // With quiet_frames, cells turn quiet where nothing has moved, so that all boxes must be
+    // checked.
     if (few && options_.quiet_frames == 0 && oriented_as_before(bsp)) {
         refit_moved(bsp, bounds_by_item);
         return;

@@ -1,14 +1,14 @@
-// Large pages for large arrays: fewer page faults while they are filled, and fewer misses of the
-// TLB afterwards. Internal.
+// Large pages for large arrays: fewer page faults while they are filled, and fewer TLB misses
+// later. Internal.
 #pragma once
 
 #include <cstddef>
 
 namespace occlude::detail {
 
-/// Asks the system to put memory that nobody has written yet on large pages. A hint: it changes
-/// nothing but times, takes no memory beyond the range, and where it is not understood (systems
-/// other than Linux, ranges below some megabytes) nothing happens.
+/// Asks the system to put memory that was not written yet on large pages. This is a hint: it
+/// changes only times and takes no memory beyond the range. It does nothing for ranges below some
+/// megabytes, and on systems other than Linux.
 void prefer_huge_pages(void* data, size_t bytes);
 
 /// Reserves room in an empty vector, on large pages.

@@ -1,4 +1,4 @@
-// What a node knows of its subtree, from its own items and its finished children. Internal.
+// The sums and the box of a subtree, from its own items and its finished children. Internal.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>
@@ -42,7 +42,7 @@ inline Aabb merged_box(const Node& node, std::span<const Node> nodes,
     return box;
 }
 
-/// Sets the sums and the box of `node`; `nodes` are what its children are counted in.
+/// Sets the sums and the box of `node`; its children are indices into `nodes`.
 inline void sum_up(Node& node, std::span<const Node> nodes, std::span<const ItemBounds> item_bounds)
 {
     node.subtree_items = node.own_items;

@@ -1,4 +1,4 @@
-// What validate() checks of the shape of a tree, for from_arrays(), which derives the rest from it.
+// The part of validate() about the shape of a tree. from_arrays() derives everything else from it.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>
@@ -7,8 +7,8 @@
 
 namespace occlude::detail {
 
-/// The first broken rule of the shape as a sentence, or an empty string. Without one every range
-/// lies within its array. O(nodes).
+/// The first broken rule of the shape as a sentence, or an empty string. If it is empty, every
+/// range lies within its array. O(nodes).
 std::string check_structure(const Hierarchy& hierarchy);
 
 } // namespace occlude::detail

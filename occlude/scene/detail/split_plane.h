@@ -1,4 +1,4 @@
-// Where a mesh is cut in two. Internal; split.h says what it implements.
+// Chooses the plane that cuts a mesh in two. Internal; split.h says what it implements.
 #pragma once
 
 #include <occlude/core/aabb.h>
@@ -19,9 +19,9 @@ struct SplitChoice {
     bool cuts_too_many = false; ///< a plane was passed over because it cuts too many triangles
 };
 
-/// The plane of least area * triangles of both sides that cuts at most `most_cuts` triangles and
-/// leaves on either side at most nine tenths of them. Unbounded boxes stay below every plane.
-/// O(triangles).
+/// The plane with the least area * triangles, summed over both sides, that cuts at most `most_cuts`
+/// triangles and leaves at most nine tenths of them on either side. Unbounded boxes stay below
+/// every plane. O(triangles).
 SplitChoice choose_split_plane(std::span<const Aabb> boxes, uint64_t most_cuts);
 
 } // namespace occlude::detail

@@ -1,4 +1,5 @@
-// What the projection of boxes to the screen needs of a view, and the projection itself, twice.
+// A view as the projection of boxes to the screen needs it, and the projection itself, as scalar
+// and as vector code.
 #pragma once
 
 #include <occlude/core/view.h>
@@ -15,43 +16,44 @@
 
 namespace occlude::detail {
 
-/// A view as columns that map (point - inflation.origin) to (x, y, depth, 1) * w, x and y in pixels
-/// and depth from 0 (near) to 1 (far), and how far a device and we ourselves may be off. See
-/// box_projector.cpp.
+/// A view as columns that map (point - inflation.origin) to (x, y, depth, 1) * w, with x and y in
+/// pixels and depth from 0 (near) to 1 (far), and the possible errors of the device and of our own
+/// arithmetic. See box_projector.cpp.
 struct BoxProjector {
-    /// For boxes in the world that are to be inflated here.
+    /// For boxes in the world that project() must inflate.
     BoxProjector(const View& view, SamplePositions samples);
-    /// For boxes of tests: in the space of `world_from_box`, inflated already.
+    /// For boxes of tests in the space of `world_from_box`, which are inflated already.
     BoxProjector(const View& view, const glm::mat4& world_from_box);
-    /// For boxes of tests in world space, inflated already.
+    /// For boxes of tests in world space, which are inflated already.
     static BoxProjector of_tests(const View& view);
-    /// For boxes in the space of `world_from_box` that are to be inflated here, in that space.
+    /// For boxes in the space of `world_from_box` that project() must inflate in that space.
     BoxProjector(const View& view, const glm::mat4& world_from_box, const Inflation& inflation,
                  SamplePositions samples);
 
     /// The specification of project() and project_boxes().
     void project(const Aabb& box, ScreenBounds& bounds) const;
 
-    /// Beyond this much rounding (NaN included) nothing is certain, and at less than this w no
-    /// quotient: between them no result overflows.
+    /// With more rounding than this (NaN included) nothing is certain, and with a smaller w no
+    /// quotient is. Between these bounds no result overflows.
     static constexpr float kLargestSlop = 0x1p40f;
     static constexpr float kSmallestW = 0x1p-60f;
 
     void set_columns(const View& view, const glm::dmat4& clip, const glm::dmat4& rounding);
     void set_object_columns(const View& view, const glm::mat4& world_from_box);
 
-    std::array<glm::vec4, 4> column{}; ///< what one unit of x, y and z adds, and the origin
-    std::array<glm::vec4, 4> slop{};   ///< the same of the possible error, of coordinates >= 0
+    std::array<glm::vec4, 4> column{}; ///< the contributions of one unit of x, y and z, and the
+                                       ///< origin
+    std::array<glm::vec4, 4> slop{};   ///< the possible errors of these, for coordinates >= 0
     Inflation inflation;
     glm::vec2 size{0.0f};
-    float sample_inset_px = 0.0f; ///< no sample is nearer than this to a border of its pixel
-    float least_depth = 0.0f;     ///< of a corner, times w: -infinity where depth is clamped
-    ScreenBounds everywhere;      ///< of a box of which nothing is known
-    bool usable = false;          ///< there is a near plane, and something is known of the view
+    float sample_inset_px = 0.0f; ///< every sample is at least this far from a border of its pixel
+    float least_depth = 0.0f;     ///< of a corner, times w; -infinity if depth is clamped
+    ScreenBounds everywhere;      ///< the result for a box of which nothing is known
+    bool usable = false;          ///< there is a near plane, and the view is known
 };
 
-/// ScreenBounds of some boxes, field by field, as vectors write and read them. In the nearest
-/// cache.
+/// ScreenBounds of some boxes, field by field, as vectors write and read them. Small enough for the
+/// nearest cache.
 struct BoundsBlock {
     static constexpr size_t kBoxes = 128;
     template <class T>
@@ -82,7 +84,7 @@ struct BoundsBlock {
     alignas(64) Field<int32_t> valid;
 };
 
-/// Does p.project() for at most BoundsBlock::kBoxes boxes, several at once.
+/// Calls p.project() for at most BoundsBlock::kBoxes boxes, several at once.
 void project_boxes_simd(const BoxProjector& p, std::span<const Aabb> boxes, BoundsBlock& bounds);
 
 } // namespace occlude::detail

@@ -24,45 +24,45 @@ namespace occlude {
 /// Draws the boxes of tests as instances of a cube, both sides of all faces, writing nothing.
 class GlBoxTests {
 public:
-    /// `gl_version` (10 * major + minor) decides what may be used; `raster` needs kRasterVersion.
+    /// `gl_version` (10 * major + minor) limits the features in use; `raster` needs kRasterVersion.
     /// `depth_bias`: how much nearer than they are boxes are tested, in window depth.
     static Result<std::unique_ptr<GlBoxTests>> create(int gl_version, float depth_bias);
 
     static constexpr int kBaseInstanceVersion = 42;
     static constexpr int kRasterVersion = 43;
-    /// The index of GL_SHADER_STORAGE_BUFFER that raster() binds: the last that there always is.
+    /// The index of GL_SHADER_STORAGE_BUFFER that raster() binds: the last one that always exists.
     static constexpr GLuint kFlagBinding = 7;
 
     bool can_raster() const { return raster_.program.name() != 0; }
 
-    /// The camera of the tests from now on, and where its depth lies in the target.
+    /// Sets the camera of the tests from now on, and its part of the target's depth.
     void set_view(const View& view, const GlTargetState& target);
 
     /// Sets all state that queries() or raster() needs: the one state change of a batch.
     void enter(TestMethod method);
 
-    /// Issues one query per test, in order. A test that the pool has no room for, that has no box
-    /// or that has an unbounded one gets an invalid ticket: lost. Precondition: enter() was called
-    /// for this method after the last change of state by anybody else.
-    /// False, and all are lost, if the driver has no memory for the boxes.
+    /// Issues one query per test, in order. A test gets an invalid ticket (lost) if the pool has no
+    /// room for it, or if it has no box or an unbounded one. Returns false if the driver has no
+    /// memory for the boxes; then all are lost. Precondition: enter() was called for this method
+    /// after the last change of state by anybody else.
     bool queries(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets);
 
     /// The same with one draw. Answers count 1 sample or none. Precondition: can_raster().
     bool raster(const QueryBatch& batch, GlQueryPool& pool, std::span<Ticket> tickets);
 
 private:
-    // One box as the vertex shader reads it: its corners, and an affine matrix row by row to
+    // One box as the vertex shader reads it: its corners, and an affine matrix, row by row, to
     // positions relative to the view's origin.
     struct BoxRow {
         glm::vec3 min;
         glm::vec3 max;
         std::array<glm::vec4, 3> relative_from_box;
-        float toward_viewer; // by how much the box is nearer in clip z, for rounding
-        uint32_t test;       // which flag is set, by raster
+        float toward_viewer; // how much the box is moved nearer in clip z, for rounding
+        uint32_t test;       // index of the flag that raster sets
     };
     static_assert(sizeof(BoxRow) == 80);
 
-    // A program and where its uniforms are.
+    // A program and the locations of its uniforms.
     struct Program {
         GlProgram program;
         GLint clip_from_relative = -1;
@@ -81,7 +81,7 @@ private:
     void draw(size_t first_offset, uint32_t first, uint32_t count);
 
     Program queries_;
-    Program raster_; // no program where OpenGL is too old
+    Program raster_; // no program if the OpenGL version is too old
     GlFlagBatches flags_;
     GlVertexArray vertex_array_;
     GlBuffer indices_;

@@ -4,8 +4,8 @@
 //   the attachment --blit--> a texture of the same format --shader--> float texture --> read
 //                                                          8x8 at most   again for larger tiles
 //
-// A blit that the driver refuses leaves the copy as it was cleared: all far, so that nothing is
-// found hidden.
+// If the driver refuses a blit, the copy stays as it was cleared: all far, so that nothing is found
+// hidden.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_object.h>
@@ -30,18 +30,18 @@ public:
     static Result<std::unique_ptr<GlDepthReader>> create();
 
     /// Reads raw values of `rect` of the framebuffer bound to GL_DRAW_FRAMEBUFFER, row by row from
-    /// its lower edge. Blocks. False, and `out` is untouched, if there is no depth attachment, it
-    /// is layered, or the driver could not read. Changes no state.
+    /// its lower edge. Blocks. Returns false and leaves `out` untouched if there is no depth
+    /// attachment, if it is layered, or if the driver could not read. Changes no state.
     bool read(const PixelRect& rect, DepthSample sample, std::span<float> out);
 
-    /// The same of tiles of tile_px x tile_px pixels, a power of two up to kLargestTile: the
-    /// smallest or the largest value of each (`sample` is not `first`). `from_above`: tiles and
-    /// their rows are counted from the upper edge of `rect`.
+    /// Reads the smallest or the largest value of each tile of tile_px x tile_px pixels (`sample`
+    /// is not `first`). tile_px is a power of two up to kLargestTile. `from_above`: tiles and their
+    /// rows are counted from the upper edge of `rect`. Otherwise like read().
     bool read_tiles(const PixelRect& rect, int tile_px, bool from_above, DepthSample sample,
                     std::span<float> out);
 
 private:
-    // A program that reduces, and where its uniforms are.
+    // A program that reduces texels, and the locations of its uniforms.
     struct Reduction {
         GlProgram program;
         GLint origin = -1;

@@ -1,5 +1,5 @@
-// What makes tests impossible in a frame, and what the engine hears of it. Looks once a frame: all
-// tests of a frame with a fault are lost, which reads as visible.
+// Faults that make tests impossible in a frame, and their messages to the engine. Looks once per
+// frame: all tests of a frame with a fault are lost, which reads as visible.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_context.h>
@@ -16,25 +16,25 @@ class GlFaults {
 public:
     enum class Context : uint8_t {
         own,
-        other, ///< another one is current, or none: nothing may be asked of OpenGL
-        lost,  ///< it was reset: nothing is answered any more
+        other, ///< another context is current, or none: OpenGL must not be called
+        lost,  ///< it was reset: OpenGL answers nothing any more
     };
 
-    /// In the context that is current now. `gl_version` is 10 * major + minor.
+    /// Faults in the context that is current now. `gl_version` is 10 * major + minor.
     GlFaults(MessageHandler on_message, int gl_version);
 
-    /// Is the context of the device current, and alive? Reports if it is not.
+    /// True if the context of the device is current and alive. Reports if it is not.
     Context look_at_context();
 
-    /// True if tests in this target answer for this view. Reports why they do not.
+    /// True if tests in this target answer for this view. Reports the reason if they do not.
     bool can_test(const View& view, const GlTargetState& target);
 
-    /// Reports what went wrong in the pool since it was last asked.
+    /// Reports the faults of the pool since the last call.
     void report_pool(GlQueryPool::Faults faults, uint32_t capacity, double wait_budget_ms);
     void report_no_memory();
     void report_no_depth();
 
-    /// True if a query of the engine is active, so that none of ours can be begun. Reports it.
+    /// True if a query of the engine is active, so that the device cannot begin one. Reports it.
     bool query_is_open();
 
     Messages& messages() { return messages_; }

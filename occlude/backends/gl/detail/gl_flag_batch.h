@@ -21,22 +21,22 @@ public:
     GlFlagBatch(const GlFlagBatch&) = delete;
     GlFlagBatch& operator=(const GlFlagBatch&) = delete;
 
-    /// Makes room for `tests` flags, all 0, and binds them to `binding` of
-    /// GL_SHADER_STORAGE_BUFFER. The flags of before are gone. False if the driver has no memory:
-    /// then every test counts as seen.
+    /// Allocates `tests` flags, all 0, and binds them to `binding` of GL_SHADER_STORAGE_BUFFER. The
+    /// former flags are lost. Returns false if the driver has no memory; then every test counts as
+    /// seen.
     bool begin(size_t tests, GLuint binding);
 
-    /// Instead of the draw: every test counts as seen.
+    /// Replaces the draw: every test counts as seen.
     void give_up() { flags_.assign(flags_.size(), 1); }
 
-    /// To be called after the draw that sets the flags.
+    /// Must be called after the draw that sets the flags.
     void end();
 
     /// True if the flags can be read without waiting. Never blocks, but a driver may flush here.
     bool available();
 
-    /// True if `test` set its flag. Waits for the draw and reads all flags at the first call.
-    /// Nothing is known, and every test counts as seen, if the driver fails.
+    /// True if `test` set its flag. Waits for the draw and reads all flags at the first call. If
+    /// the driver fails, every test counts as seen.
     bool seen(size_t test);
 
 private:
@@ -47,8 +47,8 @@ private:
     std::vector<uint32_t> flags_;
 };
 
-/// Batches in turn. One is never begun again while somebody holds it, that is, before all of its
-/// answers were read or given up.
+/// Batches that are reused in turn. A batch is not begun again while somebody holds it, which ends
+/// when all its answers were read or given up.
 class GlFlagBatches {
 public:
     std::shared_ptr<GlFlagBatch> take();

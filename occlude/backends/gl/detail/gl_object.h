@@ -1,5 +1,5 @@
-// Owners of OpenGL names, and the two things every part of the backend needs: programs, and buffers
-// that are written many times a frame.
+// Owners of OpenGL names, and two helpers that every part of the backend needs: programs, and
+// buffers that are written many times per frame.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_context.h>
@@ -99,16 +99,16 @@ using GlQuery = GlObject<QueryKind>;
 using GlProgram = GlObject<ProgramKind>;
 using GlShader = GlObject<ShaderKind>;
 
-/// A linked program of a vertex and a fragment shader. The error names `name`, the stage and what
-/// the driver's compiler said.
+/// A linked program of a vertex and a fragment shader. An error names `name`, the stage and the
+/// message of the driver's compiler.
 Result<GlProgram> make_program(std::string_view name, std::string_view vertex_source,
                                std::string_view fragment_source);
 
-/// A buffer for data that is written once and read by the next draws: a ring that is given fresh
+/// A buffer for data that is written once and read by the next draws. It is a ring that gets fresh
 /// storage when it wraps, so that writing never waits for earlier draws. Grows as needed.
 class GlStreamBuffer {
 public:
-    /// `unit` is the size of what is written, in bytes: every offset is a multiple of it.
+    /// `unit` is the size of an element in bytes: every offset is a multiple of it.
     GlStreamBuffer(size_t unit, size_t capacity_units);
 
     /// Copies `bytes` (a whole number of units) into the buffer and returns their offset in bytes;

@@ -1,5 +1,5 @@
-// What is behind a GlDevice's tickets: a ring of occlusion query objects, some of which stand for
-// an answer that comes, or came, in another way.
+// The answers behind a GlDevice's tickets: a ring of occlusion query objects, some of which stand
+// for an answer that comes in another way.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_flag_batch.h>
@@ -13,15 +13,15 @@
 
 namespace occlude {
 
-/// Query objects of GL_SAMPLES_PASSED. One is never begun again before its result was read, or was
-/// there and nobody came for it (kAbandonedAfter). Slots are reused in ring order.
+/// Query objects of GL_SAMPLES_PASSED. A query is begun again only after its result was read, or if
+/// the result was available and nobody read it (kAbandonedAfter). Slots are reused in ring order.
 class GlQueryPool {
 public:
     /// A full pool takes back tickets that nobody read for this many frames, if their result is
-    /// there: a culler that was reset may leave some behind.
+    /// available: a culler that was reset may leave such tickets.
     static constexpr uint64_t kAbandonedAfter = 64;
 
-    /// What went wrong since it was last asked.
+    /// The faults since the last call.
     struct Faults {
         bool full = false;      ///< more than `capacity` tests would be unspent
         bool no_query = false;  ///< the driver gave no query object
@@ -29,7 +29,7 @@ public:
     };
 
     /// At most `capacity` tickets are unspent at any time; objects are made as they are needed.
-    /// `wait_budget_ms`: how long the waits of one frame may take for answers that do not come.
+    /// `wait_budget_ms`: how long one frame may wait for answers that do not come.
     GlQueryPool(uint32_t capacity, double wait_budget_ms)
         : capacity_(capacity)
         , wait_budget_ms_(wait_budget_ms)
@@ -39,15 +39,15 @@ public:
     /// Counts frames, and takes back abandoned tickets if the pool is full.
     void begin_frame();
 
-    /// From now on nothing is asked of OpenGL, and everything is lost ...
+    /// From now on OpenGL is not called, and every answer is lost.
     void give_up() { given_up_ = true; }
-    /// ... and from now on it is asked again.
+    /// From now on OpenGL is called again.
     void resume() { given_up_ = false; }
 
     Faults take_faults() { return std::exchange(faults_, {}); }
 
-    /// Begins a query. An invalid ticket, and no query is begun, if the pool is full or the driver
-    /// gives no query object.
+    /// Begins a query. Returns an invalid ticket and begins no query if the pool is full or the
+    /// driver gives no query object.
     Ticket begin();
 
     /// Ends the query of the last begin().
@@ -56,13 +56,14 @@ public:
     /// A ticket whose answer is known without a query; invalid if the pool is full.
     Ticket answered(uint64_t samples);
 
-    /// A ticket for a flag of a batch: 1 sample if it is set, else 0. Invalid if the pool is full.
+    /// A ticket for a flag of a batch, which answers 1 sample if the flag is set, else 0. Invalid
+    /// if the pool is full.
     Ticket promise(std::shared_ptr<GlFlagBatch> flags, size_t test);
 
-    /// The answer if it is there, without blocking; spends the ticket unless pending.
+    /// The answer, if it has arrived. Never blocks; spends the ticket unless the answer is pending.
     Answer poll(Ticket ticket);
 
-    /// The answer; blocks until it is there, or the budget of the frame is used up: then it is
+    /// The answer; blocks until it arrives, or until the frame's budget is used up: then it is
     /// lost. Spends the ticket.
     Answer wait(Ticket ticket);
 
@@ -91,10 +92,10 @@ private:
     std::vector<Slot> slots_;
     uint32_t capacity_ = 0;
     uint32_t outstanding_ = 0;
-    uint32_t next_ = 0; ///< where the ring continues
+    uint32_t next_ = 0; ///< the slot at which the ring continues
     uint64_t frame_ = 0;
     double wait_budget_ms_ = 0.0;
-    double waited_ms_ = 0.0; ///< in this frame, for answers that did not come
+    double waited_ms_ = 0.0; ///< time that this frame has waited for answers that did not come
     bool given_up_ = false;
     Faults faults_;
 };

@@ -1,4 +1,4 @@
-// What reading depth changes of the engine's state, put back when this goes.
+// Saves the engine's state that reading depth changes, and restores it in the destructor.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_object.h>
@@ -10,7 +10,7 @@ namespace occlude {
 
 class GlSavedState {
 public:
-    /// Saves, and makes the state of pixel transfers the default.
+    /// Saves the state, and sets the defaults of pixel transfers.
     GlSavedState();
     ~GlSavedState();
     GlSavedState(const GlSavedState&) = delete;

@@ -1,4 +1,4 @@
-// Where the view of a frame lies in the bound framebuffer, as the engine has set it.
+// The place of a frame's view in the bound framebuffer, as the engine has set it.
 #pragma once
 
 #include <occlude/backends/gl/detail/gl_object.h>
@@ -17,10 +17,10 @@ struct GlTargetState {
         false; ///< glClipControl(GL_UPPER_LEFT): the view's bottom row is the top one here
     bool zero_to_one = false; ///< glClipControl(..., GL_ZERO_TO_ONE)
 
-    /// Asks OpenGL. `gl_version` is 10 * major + minor.
+    /// Queries OpenGL. `gl_version` is 10 * major + minor.
     static GlTargetState read(int gl_version);
 
-    /// Where a rectangle of the view lies in the framebuffer. If y_down, its rows are in reverse
+    /// The place of a rectangle of the view in the framebuffer. If y_down, its rows are in reverse
     /// order there.
     PixelRect in_framebuffer(const PixelRect& rect) const;
 
@@ -33,9 +33,9 @@ struct GlTargetState {
     /// The part of the values of the depth buffer that the view uses.
     float depth_extent() const;
 
-    /// Turns values of the depth buffer into window depth of the view, 0 near to 1 far. Where the
-    /// view has a part of the depth buffer only, its steps are larger for the view: then rounds
-    /// toward far by as much. Precondition: depth_extent() > 0.
+    /// Converts values of the depth buffer to window depth of the view, 0 near to 1 far. If the
+    /// view has only a part of the depth buffer, the buffer's steps are larger for the view; then
+    /// rounds toward far by one such step. Precondition: depth_extent() > 0.
     void to_view_depth(DepthOrder order, std::span<float> depths) const;
 };
 

@@ -1,8 +1,8 @@
-// Loops over ranges in halves that a TaskRunner may run side by side. Internal: builders include
-// it, users do not.
+// Loops over ranges that are halved, so that a TaskRunner may run the halves in parallel. Internal:
+// builders include it, users do not.
 //
-// How a range is halved depends on its length alone, so that results are joined in the same order
-// whoever runs the halves.
+// The halving depends only on the length of a range. So results are joined in the same order,
+// whichever thread runs a half.
 #pragma once
 
 #include <occlude/hierarchy/builders/task_runner.h>
@@ -21,8 +21,8 @@ void run_both(TaskRunner& tasks, First&& first, Second&& second)
                    {[](void* data) { (*static_cast<S*>(data))(); }, &second});
 }
 
-/// join(map(begin, middle), map(middle, end)), halved on until ranges have at most `grain`
-/// elements.
+/// Returns join(map(begin, middle), map(middle, end)), halved recursively until ranges have at most
+/// `grain` elements.
 template <class T, class Map, class Join>
 T map_and_join(TaskRunner& tasks, size_t begin, size_t end, size_t grain, const Map& map,
                const Join& join)
@@ -39,7 +39,8 @@ T map_and_join(TaskRunner& tasks, size_t begin, size_t end, size_t grain, const 
     return join(left, right);
 }
 
-/// Calls body(begin, end) for ranges of at most `grain` elements that are the whole range together.
+/// Calls body(begin, end) for ranges of at most `grain` elements that together make up the whole
+/// range.
 template <class Body>
 void for_ranges(TaskRunner& tasks, size_t begin, size_t end, size_t grain, const Body& body)
 {

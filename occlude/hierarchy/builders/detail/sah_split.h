@@ -1,8 +1,8 @@
-// The one step that builders of BVHs repeat: parting boxes in two where a binned surface area
-// heuristic is least. Internal: builders include it, users do not.
+// The step that BVH builders repeat: divides boxes in two at the least binned surface area
+// heuristic. Internal: builders include it, users do not.
 //
-// No decision here depends on the order of the primitives: bins merge by min, max and whole-number
-// sums, ties are broken by item id. So the number of threads cannot show in a tree.
+// No decision depends on the order of the primitives: bins merge by min, max and whole-number sums,
+// and ties are broken by item id. So the tree does not depend on the number of threads.
 #pragma once
 
 #include <occlude/core/detail/float4.h>
@@ -16,7 +16,7 @@
 
 namespace occlude::detail {
 
-/// A box that grows, in lanes 0 to 2; lane 3 means nothing.
+/// A growing box, in lanes 0 to 2; lane 3 is not used.
 struct Extent {
     Float4 low{Aabb::kInfinity, Aabb::kInfinity, Aabb::kInfinity, 0.0f};
     Float4 high{-Aabb::kInfinity, -Aabb::kInfinity, -Aabb::kInfinity, 0.0f};
@@ -34,7 +34,7 @@ struct Extent {
     Aabb box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
 };
 
-/// One bounded item while building: its box in lanes 0 to 2, and in lane 3 whole numbers.
+/// A bounded item during the build: its box in lanes 0 to 2, and whole numbers in lane 3.
 struct Primitive {
     Float4 low;  ///< lane 3: the item
     Float4 high; ///< lane 3: its triangles
@@ -48,7 +48,7 @@ struct Primitive {
     uint32_t triangles() const { return std::bit_cast<std::array<uint32_t, 4>>(high)[3]; }
     Aabb box() const { return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}}; }
 
-    /// Not half of the sum: the sum of two large corners may overflow. Lane 3 is 0.
+    /// Halves before adding, because the sum of two large corners may overflow. Lane 3 is 0.
     Float4 center() const
     {
         constexpr Int4 kCorner{-1, -1, -1, 0};
@@ -67,16 +67,16 @@ Extent centers_of(std::span<const Primitive> primitives);
 
 /// The two parts of some primitives, neither empty.
 struct Parts {
-    size_t left = 0; ///< how many items go left: the first ones
+    size_t left = 0; ///< how many items go to the left part; they come first
     Extent left_centers;
     Extent right_centers;
 };
 
-/// Parts `from`, which has at least two, into `to`, which is as long and elsewhere; `from` is
-/// scratch afterwards. `centers` is centers_of(from). Of `bins` (at most kMaxBins) on each axis it
-/// takes the border with the least area * triangles on both sides; an item without triangles counts
-/// as one. Where all centres coincide, or `halve` is set, it takes the median of the widest axis.
-/// Large inputs are binned side by side by `tasks`.
+/// Divides `from`, which has at least two primitives, into `to`, which is as long and does not
+/// overlap it; `from` is scratch memory afterwards. `centers` is centers_of(from). Of at most
+/// kMaxBins `bins` per axis, it chooses the border with the least area * triangles on both sides;
+/// an item without triangles counts as one. If all centres coincide, or `halve` is set, it chooses
+/// the median of the widest axis. `tasks` bins large inputs in parallel.
 inline constexpr uint32_t kMaxBins = 32;
 Parts part(std::span<Primitive> from, std::span<Primitive> to, const Extent& centers, uint32_t bins,
            bool halve, TaskRunner& tasks);

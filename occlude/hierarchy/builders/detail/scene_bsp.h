@@ -10,7 +10,7 @@
 
 namespace occlude::detail {
 
-/// Numbers that nodes keep while others come and go. A run that was given back is used again.
+/// Numbers that nodes keep while other nodes come and go. Runs that were given back are reused.
 class KeyPool {
 public:
     /// The first of `count` consecutive keys.
@@ -38,9 +38,9 @@ public:
         uint32_t first_key = 0; ///< of its local nodes
         uint32_t cell = kNone;  ///< the cell that it is linked to
         uint32_t previous = kNone;
-        uint32_t next = kNone; ///< the next object of the same cell
+        uint32_t next = kNone; ///< next object in the same cell
         bool complex = true;
-        bool moved = false; ///< is in moved()
+        bool moved = false; ///< its slot is in moved()
     };
     struct Cell {
         Aabb box;
@@ -60,11 +60,11 @@ public:
     void move(Slot slot, const glm::mat4& world_from_object);
     void remove(Slot slot);
 
-    /// Starts an update: links what was added or moved to the cells where it stands now, and
-    /// rebuilds a subtree if one is due. True if anything has changed.
+    /// Starts an update: links objects that were added or moved to the cells that now hold them,
+    /// and rebuilds a subtree if one is due. Returns true if anything has changed.
     bool update(std::span<const ItemBounds> bounds_by_item);
-    /// True if the hierarchy needs a new layout: there are other nodes, or more than one object
-    /// in kObjectsPerStaleLink is drawn with a cell to which it is no longer linked.
+    /// True if the hierarchy needs a new layout: the nodes have changed, or more than one object in
+    /// kObjectsPerStaleLink is drawn with a cell to which it is no longer linked.
     bool needs_layout() const;
     void finish_layout();
     void finish_update() { moved_.clear(); }
@@ -73,7 +73,7 @@ public:
     std::span<const Slot> moved() const { return moved_; }
     const Cell& cell(uint32_t index) const { return cells_[index]; }
     uint32_t key_end() const { return keys_.end(); }
-    /// Calls of update() so far.
+    /// How many times update() was called.
     uint64_t updates() const { return updates_; }
     uint64_t relinks() const { return relinks_; }
     uint64_t rebuilds() const { return rebuilds_; }

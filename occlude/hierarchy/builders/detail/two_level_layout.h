@@ -1,5 +1,5 @@
-// The hierarchy that a two-level tree hands out, laid out from its scene BSP and kept in step with
-// it. Internal; two_level.h says what it implements.
+// The hierarchy of a two-level tree: laid out from its scene BSP, and refitted with it. Internal;
+// two_level.h says what it implements.
 #pragma once
 
 #include <occlude/hierarchy/builders/detail/scene_bsp.h>
@@ -17,12 +17,12 @@ public:
     }
 
     const Hierarchy& hierarchy() const { return hierarchy_; }
-    /// `shapes` outlive every later layout, too.
+    /// `shapes` must outlive this object; later layouts keep it.
     void set_shapes(const ItemShapes* shapes) { hierarchy_.set_shapes(shapes); }
 
-    /// Makes a new array of nodes. O(items + nodes).
+    /// Lays out a new array of nodes. O(items + nodes).
     void lay_out(const SceneBsp& bsp, std::span<const ItemBounds> bounds_by_item);
-    /// Takes the new bounds of what moved, in the nodes that there are.
+    /// Refits the existing nodes to the new bounds of what moved.
     void refit(const SceneBsp& bsp, std::span<const ItemBounds> bounds_by_item);
 
 private:
