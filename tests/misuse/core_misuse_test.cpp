@@ -60,7 +60,7 @@ TEST(CoreMisuse, ARatioBelowOneIsARatioAllTheSame)
 {
     Mistakes mistakes;
     EXPECT_TRUE(is_elongated({{0, 0, 0}, {1, 1, 1}}, 0.5f));
-    mistakes.expect("no extent is less than once as long");
+    mistakes.expect("is_elongated() needs a ratio");
 }
 
 // --- trees and scenes ---
@@ -86,7 +86,7 @@ TEST(ShapeMisuse, AnInvalidItemHasNoShape)
     Mistakes mistakes;
     ItemShapes shapes;
     shapes.place(ItemId{}, std::make_shared<Shape>(Shape{kBox}), glm::mat4{1.0f});
-    mistakes.expect("a shape belongs to an item");
+    mistakes.expect("the id of the item with the shape");
     EXPECT_TRUE(shapes.empty());
     shapes.place(ItemId{0u}, std::make_shared<Shape>(Shape{Aabb::everything()}), glm::mat4{1.0f});
     mistakes.expect("the boxes of a shape are bounded");
@@ -251,7 +251,7 @@ TEST(DeviceMisuse, DecoratorsLoseTestsThatHaveNoTicketOrTooMany)
     const FaultyDevice too_faulty(scripted, {.lost = 1001});
     mistakes.expect("FaultyDevice needs chances of at most 1000 per thousand");
     const FaultyDevice too_late(scripted, {.max_polls = ~0u});
-    mistakes.expect("the delays of a FaultyDevice are shorter");
+    mistakes.expect("FaultyDevice needs delays below");
 }
 
 } // namespace

@@ -21,7 +21,7 @@ struct Command::Parser {
 
 namespace {
 
-// Larger numbers than memory could hold are typing errors, and so is everything but digits.
+// Accepts only digits; larger numbers than memory could hold are typing errors.
 CLI::Validator whole_number(ValueRange<uint64_t> range)
 {
     return CLI::Validator{[range](const std::string& text) {
@@ -48,7 +48,7 @@ CLI::Validator file_name()
                           ""};
 }
 
-// Adds the option or the flag, with the parser that suits its target.
+// Adds the option or the flag, with the parser for the type of its target.
 struct AddTo {
     CLI::App& app;
     const Argument& argument;
@@ -63,7 +63,7 @@ struct AddTo {
         const bool positional = argument.name.front() != '-';
         return positional ? option
                           : option->expected(1)->multi_option_policy(
-                                CLI::MultiOptionPolicy::TakeAll); // may be repeated
+                                CLI::MultiOptionPolicy::TakeAll); // the option may be repeated
     }
     template <class T>
     CLI::Option* operator()(T* value) const

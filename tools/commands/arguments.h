@@ -1,7 +1,7 @@
-// What may stand on the command line, declared as data.
+// The arguments of the command line, declared as data.
 //
-// CLI11 does the parsing. Its header alone takes as long to compile as all of a command, so
-// arguments.cpp is the only file that includes it.
+// CLI11 does the parsing. Its header alone takes as long to compile as a whole command, so only
+// arguments.cpp includes it.
 #pragma once
 
 #include <occlude/core/result.h>
@@ -19,7 +19,7 @@ namespace occlude::tools {
 
 struct Streams;
 
-/// Where the value of an argument goes. Its type says what is accepted.
+/// The variable that an argument sets. Its type says which values are accepted.
 using ArgumentTarget =
     std::variant<bool*, int*, uint32_t*, uint64_t*, std::optional<uint64_t>*, std::optional<float>*,
                  std::string*, std::optional<std::string>*, std::vector<std::string>*>;
@@ -36,12 +36,12 @@ struct Argument {
     std::string name;
     ArgumentTarget target;
     std::string help;
-    std::string type = {};     ///< in the help; empty: by the target
-    std::string group = {};    ///< heading in the help; empty: the usual ones
-    std::string excludes = {}; ///< an option that cannot be given beside this one
+    std::string type = {};     ///< type name in the help; empty: derived from the target
+    std::string group = {};    ///< heading in the help; empty: the default heading
+    std::string excludes = {}; ///< an option that excludes this one
     bool required = false;
-    bool shows_default = false; ///< the target's value now, in the help
-    bool is_file = false;       ///< an empty name is refused, as in --json "$UNSET"
+    bool shows_default = false; ///< show the target's present value in the help
+    bool is_file = false;       ///< refuse an empty name, as in --json "$UNSET"
     std::optional<ValueRange<uint64_t>> whole = {};
     std::optional<ValueRange<float>> real = {};
 };
@@ -61,7 +61,7 @@ public:
     /// True if the user gave the argument. Precondition: there is one of this name.
     bool given(const std::string& name) const;
 
-    /// An error in how the command was called; its sentence also says how to ask for help.
+    /// An error in how the command was called; its sentence also says how to get help.
     Error misused(const std::string& problem) const;
 
 private:
@@ -85,7 +85,7 @@ public:
     /// The names of all commands, in the order in which they were added.
     std::vector<std::string> names() const;
 
-    /// Reads `argv` and runs the command it names, or prints the help it asks for (and returns 0).
+    /// Reads `argv` and runs the command that it names, or prints the requested help and returns 0.
     Result<int> run(int argc, const char* const* argv, const Streams& streams);
 
 private:

@@ -23,7 +23,7 @@ void take_verdicts(std::span<AlgorithmRun> timed, std::span<const AlgorithmRun> 
     }
 }
 
-// Walks the path once more and writes what `replay` needs.
+// Walks the path once more and records everything that `replay` needs.
 Result<bool> record_scene(Session& session, std::span<const Contender> contenders,
                           std::span<const View> views, const OutputFile& file,
                           const Streams& streams)
@@ -61,7 +61,7 @@ Result<std::optional<OutputFile>> open_record(const CompareOptions& options)
     return std::optional<OutputFile>{std::move(*file)};
 }
 
-// Pictures of the worst frames of the run that the report speaks of.
+// Pictures of the worst frames of the run that the report describes.
 Result<bool> add_pictures(Session& session, std::span<const Contender> contenders,
                           BenchDocument& document)
 {
@@ -100,7 +100,7 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
     }
     if (record_file && stage.go_to) {
         return Error{ErrorCode::unsupported,
-                     "--record: '" + scene + "' moves; recordings hold scenes that stand still"};
+                     "--record: '" + scene + "' moves; recordings hold static scenes"};
     }
     BenchDocument document = describe(**session, options, options.stage.path, views->size());
     {
@@ -112,7 +112,8 @@ Result<BenchDocument> bench_scene(const std::string& scene, const CompareOptions
             return runs.error();
         }
         document.runs = std::move(*runs);
-        document.preparation = (*session)->preparation(); // now it knows of the trees that followed
+        document.preparation = (*session)->preparation(); // the document now includes the times of
+                                                          // the trees that followed the motion
     }
     if (options.verify) {
         Progress progress{streams.err, streams.watcher, "verifying " + document.scene};

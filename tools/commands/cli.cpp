@@ -17,7 +17,7 @@ static int fail(const Streams& streams, std::string_view message)
     return kFailed;
 }
 
-// What is wrong with the first word, if anything is.
+// The error in the first word; none if it is a command or an option.
 static std::optional<std::string> problem_of_command(int argc, const char* const* argv,
                                                      const std::vector<std::string>& names)
 {
@@ -54,7 +54,7 @@ int run_program(int argc, const char* const* argv, const Streams& streams)
 {
     const int code = run_command(argc, argv, streams);
     streams.out.flush();
-    if (!streams.out) { // a script that reads the table must not take half of it for all
+    if (!streams.out) { // a script that reads the table must not take half of it for the whole
         return fail(streams, "cannot write to the standard output; is the disk full?");
     }
     return code;

@@ -6,8 +6,8 @@
 namespace occlude::tools {
 
 /// Runs the program. Prints at most one message to `streams.err` when it fails. Returns 0; 1 if an
-/// exact algorithm's image differs; 2 if something was wrong with the options, the files or the
-/// machine. Nothing is thrown.
+/// exact algorithm's image differs; 2 for an error in the options, the files or the machine; 3 as
+/// in commands.h. Throws nothing.
 int run_program(int argc, const char* const* argv, const Streams& streams);
 
 } // namespace occlude::tools

@@ -11,13 +11,14 @@ void add_file_arguments(Command& command, FileOptions& file)
     command.add(
         {{.name = "--origin",
           .target = &file.origin,
-          .help = "X,Y,Z: the point of the file that becomes (0, 0, 0) (default: moved only where "
-                  "single precision would bend it)",
+          .help = "X,Y,Z: the point of the file that becomes (0, 0, 0) (default: moved only if "
+                  "single precision would distort it)",
           .group = kFileGroup},
          {.name = "--unit",
           .target = &file.unit,
-          .help = "m, cm, mm, in, ft, or how many units make a metre (default: as the file or its "
-                  "format says, else guessed)",
+          .help =
+              "m, cm, mm, in, ft, or the number of units in a metre (default: as the file or its "
+              "format says, else guessed)",
           .group = kFileGroup},
          {.name = "--up",
           .target = &file.up,
@@ -25,13 +26,13 @@ void add_file_arguments(Command& command, FileOptions& file)
           .group = kFileGroup},
          {.name = "--load-seconds",
           .target = &file.load_seconds,
-          .help = "How long Assimp may read a file before it is stopped",
+          .help = "Seconds after which Assimp is stopped while it reads a file",
           .group = kFileGroup,
           .shows_default = true,
           .whole = {{1, kMaxSeconds}}},
          {.name = "--load-memory",
           .target = &file.load_memory_mib,
-          .help = "MiB that reading a file may take (default: half of the machine's)",
+          .help = "Memory limit for reading a file, in MiB (default: half of the machine's memory)",
           .group = kFileGroup,
           .whole = {{1, kMaxMebibytes}}}});
 }
@@ -44,29 +45,29 @@ void add_stage_arguments(Command& command, RawStage& raw, bool several)
     command.add(
         {{.name = "--hierarchy",
           .target = &stage.hierarchy,
-          .help = "How the scene is organised: " + hierarchy_names() +
+          .help = "The tree over the scene: " + hierarchy_names() +
                   (several ? "; several between commas, or all" : "") +
                   "; NAME:OPTION=VALUE is one with its own option",
           .shows_default = true},
          {.name = "--device",
           .target = &stage.device,
-          .help = "Who draws and tests: gl, cpu, or cpu_fast, where gl draws and the CPU tests "
-                  "(default: gl, or cpu where there is no OpenGL)"},
+          .help = "The device that draws and tests: gl, cpu, or cpu_fast (gl draws, the CPU tests) "
+                  "(default: gl, or cpu if there is no OpenGL)"},
          {.name = "--test",
           .target = &stage.test,
-          .help = "How boxes are tested: queries, raster (gl) or pyramid",
+          .help = "How boxes are tested: queries, raster (only gl) or pyramid",
           .shows_default = true},
          {.name = "--path",
           .target = &stage.path,
-          .help = "The camera's path: auto, a name of 'occlude list paths', or a FILE.json",
+          .help = "The camera's path: auto, a name from 'occlude list paths', or a FILE.json",
           .shows_default = true},
          {.name = "--size",
           .target = &raw.size,
-          .help = "Pixels of the image, WIDTHxHEIGHT",
+          .help = "Size of the image in pixels, WIDTHxHEIGHT",
           .shows_default = true},
          {.name = "--msaa",
           .target = &stage.samples,
-          .help = "Samples per pixel; drivers may give more, and the table says how many",
+          .help = "Samples per pixel; drivers may give more, and the table shows the number",
           .shows_default = true,
           .whole = {{1, kMaxSamples}}},
          {.name = "--set",
@@ -74,27 +75,28 @@ void add_stage_arguments(Command& command, RawStage& raw, bool several)
           .help = "An option of an algorithm or a hierarchy: NAME.OPTION=VALUE"},
          {.name = "--leaf-triangles",
           .target = &stage.leaf_triangles,
-          .help = "Triangles up to which a node is a leaf; 0: only real leaves",
+          .help = "Nodes with at most this many triangles are leaves; 0: only nodes without "
+                  "children are",
           .shows_default = true,
           .whole = {{0, kMaxTriangles}}},
          {.name = "--item-triangles",
           .target = &stage.item_triangles,
-          .help = "Triangles up to which a mesh stays one item",
+          .help = "Meshes with more triangles are divided into items of at most this many",
           .shows_default = true,
           .whole = {{1, kMaxTriangles}}},
          {.name = "--split",
           .target = &stage.split,
-          .help = "Where larger meshes are parted: centroid (between triangles) or exact (planes "
+          .help = "How larger meshes are divided: centroid (between triangles) or exact (planes "
                   "cut triangles)",
           .shows_default = true},
          {.name = "--cache",
           .target = &stage.cache_folder,
-          .help = "Where exactly split meshes are kept (default: occlude in the user's cache)",
+          .help = "Folder for exactly split meshes (default: occlude in the user's cache)",
           .type = "DIR"}});
     add_file_arguments(command, stage.file);
     command.add({.name = "--strict",
                  .target = &stage.strict,
-                 .help = "Refuse files of which something is left out; coincident surfaces count "
+                 .help = "Refuse files that cannot be drawn completely; coincident surfaces count "
                          "as differences",
                  .group = kFileGroup});
 }
@@ -103,7 +105,7 @@ void add_frames_argument(Command& command, StageOptions& stage)
 {
     command.add({.name = "--frames",
                  .target = &stage.frames,
-                 .help = "Frames of the path",
+                 .help = "Number of frames on the path",
                  .shows_default = true,
                  .whole = {{1, kMaxFrames}}});
 }

@@ -9,13 +9,14 @@
 
 namespace occlude::tools {
 
-/// What needs more than the parser's own conversions arrives as text first.
+/// The stage options, with the values that arrive as text because they need more than the parser's
+/// own conversions.
 struct RawStage {
     StageOptions stage;
     std::string size = "1280x720";
 };
 
-/// The most frames of a path.
+/// The largest number of frames of a path.
 inline constexpr uint64_t kMaxFrames = 1000000;
 
 /// The arguments of every command with a scene. `several`: whether --hierarchy takes more than one.
@@ -28,7 +29,7 @@ inline constexpr const char* kFileGroup = "Scenes that are files";
 /// --origin, --unit, --up and the limits of reading.
 void add_file_arguments(Command& command, FileOptions& file);
 
-/// Turns what came as text into options.
+/// Converts the texts into options.
 Result<StageOptions> finish_stage(const RawStage& raw, const Command& command);
 
 /// bench and verify.

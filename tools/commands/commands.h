@@ -1,4 +1,4 @@
-// The subcommands. Each returns the exit code, or the error that the program ends with.
+// The subcommands. Each returns the exit code, or the error with which the program ends.
 #pragma once
 
 #include "commands/progress.h"
@@ -11,13 +11,13 @@
 namespace occlude::tools {
 
 /// 0: done. 1: an exact algorithm's image differs. 2: the command could not be carried out. 3: it
-/// was, but its frames prove nothing: they are empty, or nothing is hidden in any.
+/// was carried out, but its frames prove nothing: they are empty, or none hides anything.
 enum ExitCode : int { kDone = 0, kDiffers = 1, kFailed = 2, kNothingProven = 3 };
 
 struct Streams {
     std::ostream& out;
     std::ostream& err;
-    Watcher watcher = Watcher::none; ///< of `err`
+    Watcher watcher = Watcher::none; ///< watches `err`
 };
 
 Result<int> bench_command(const CompareOptions& options, const Streams& streams);

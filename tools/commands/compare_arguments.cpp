@@ -23,7 +23,7 @@ void add_compare_arguments(Command& command, CompareArguments& arguments, bool s
     command.add(
         {{.name = "scenes",
           .target = &compare.scenes,
-          .help = "Files, or scenes of 'occlude list scenes'",
+          .help = "Files, or scenes from 'occlude list scenes'",
           .type = "SCENE...",
           .required = scenes_required},
          {.name = "--algorithms",
@@ -35,7 +35,7 @@ void add_compare_arguments(Command& command, CompareArguments& arguments, bool s
     add_frames_argument(command, arguments.raw.stage);
     command.add({{.name = "--repeat",
                   .target = &compare.repeat,
-                  .help = "Walks along the path; figures are medians of them",
+                  .help = "Number of walks along the path; figures are medians over the walks",
                   .shows_default = true,
                   .whole = {{1, kMaxRepeats}}},
                  {.name = "--verify",
@@ -61,24 +61,24 @@ void add_compare_arguments(Command& command, CompareArguments& arguments, bool s
 void add_suite_arguments(Command& command, SuiteOptions& suite)
 {
     const std::string group =
-        "A suite instead of scenes (only --device, --cache and the files go with it)";
+        "A suite instead of scenes (combines only with --device, --cache and output files)";
     command.add({{.name = "--suite",
                   .target = &suite.suite,
-                  .help = "What is measured, and how: " + suite_names(),
+                  .help = "The suite to measure: " + suite_names(),
                   .group = group},
                  {.name = "--scale",
                   .target = &suite.scale,
-                  .help = "small, or full: as large as published",
+                  .help = "small, or full (scenes as large as published)",
                   .group = group,
                   .shows_default = true},
                  {.name = "--only",
                   .target = &suite.only,
-                  .help = "Entries of the suite, between commas",
+                  .help = "Measure only these entries of the suite, between commas",
                   .type = "ENTRY,...",
                   .group = group},
                  {.name = "--add",
                   .target = &suite.add,
-                  .help = "Keep the other entries that the file of --json holds",
+                  .help = "Keep the other entries in the file of --json",
                   .group = group},
                  {.name = "--from",
                   .target = &suite.from,
@@ -96,7 +96,7 @@ void add_suite_arguments(Command& command, SuiteOptions& suite)
                   .is_file = true}});
 }
 
-// A suite says itself what it measures, and without one there must be scenes.
+// A suite decides what to measure; without one there must be scenes.
 std::optional<std::string> misused_suite(const Command& bench, bool suite)
 {
     if (!suite && !bench.given("scenes")) {
@@ -160,12 +160,14 @@ void add_bench(CommandLine& line)
         "bench", "Measure algorithms side by side on scenes, or a whole suite of them", run);
     add_compare_arguments(bench, *arguments, false);
     add_suite_arguments(bench, arguments->suite);
-    bench.add({.name = "--record",
-               .target = &arguments->compare.record,
-               .help = "Write what 'occlude replay' needs to repeat the run without a graphics "
-                       "card: tree, cameras, draws and answers (one SCENE that stands still)",
-               .type = "FILE",
-               .is_file = true});
+    bench.add(
+        {.name = "--record",
+         .target = &arguments->compare.record,
+         .help =
+             "Write a recording, with which 'occlude replay' repeats the run without a graphics "
+             "card (one static SCENE): tree, cameras, draws and answers",
+         .type = "FILE",
+         .is_file = true});
 }
 
 void add_verify(CommandLine& line)
@@ -184,7 +186,7 @@ void add_verify(CommandLine& line)
     add_compare_arguments(verify, *arguments, true);
     verify.add({.name = "--nothing-hidden-is-fine",
                 .target = &arguments->compare.nothing_hidden_is_fine,
-                .help = "Exit with 0 even if nothing is hidden in any frame"});
+                .help = "Exit with 0 even if no frame hides anything"});
 }
 
 } // namespace

@@ -14,7 +14,7 @@
 
 namespace occlude::tools {
 
-// Opens `path` into `file`; an empty path asks for nothing.
+// Opens `path` into `file`; does nothing for an empty path.
 static Result<bool> open_into(std::optional<OutputFile>& file, const std::string& path)
 {
     if (path.empty()) {
@@ -63,7 +63,7 @@ Result<bool> ReportFiles::write(std::span<const BenchDocument> documents)
     return true;
 }
 
-// Drivers may give more samples than were asked for: as many as a pixel has ids.
+// Drivers may give more samples than requested: a pixel has as many ids as samples.
 int samples_given(SceneRenderer& renderer, glm::ivec2 size, int asked)
 {
     if (asked <= 1) {
@@ -191,8 +191,9 @@ int judge_evidence(const BenchDocument& document, bool must_hide, bool strict, s
         return kNothingProven;
     }
     if (evidence.empty_frames > 0) {
-        out << fmt::format("Nothing was in view in {} of the {} frames: they prove nothing.\n\n",
-                           evidence.empty_frames, evidence.frames);
+        out << fmt::format(
+            "Nothing was in view in {} of the {} frames: those frames prove nothing.\n\n",
+            evidence.empty_frames, evidence.frames);
     }
     if (evidence.hiding_frames == 0) {
         out << fmt::format(
@@ -212,7 +213,7 @@ int judge_evidence(const BenchDocument& document, bool must_hide, bool strict, s
 
 int worse(int a, int b)
 {
-    // What differs is worse than what was not tried.
+    // A difference is worse than a frame that proves nothing.
     return a == kDone ? b : b == kDone ? a : std::min(a, b);
 }
 
@@ -249,7 +250,7 @@ Result<bool> check_compare_options(const CompareOptions& options, std::ostream& 
     if (const auto checked = check_stage_options(options.stage); !checked) {
         return checked.error();
     }
-    // No device yet: one that offers everything.
+    // There is no device yet, so assume one that supports everything.
     DeviceCaps any;
     any.read_depth = true;
     const auto pairing = choose_pairs(options, any, References::always);

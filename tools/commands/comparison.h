@@ -1,4 +1,5 @@
-// What bench and verify share: from options to scenes, contenders, documents and output files.
+// The common part of bench and verify: from options to scenes, contenders, documents and output
+// files.
 #pragma once
 
 #include "commands/commands.h"
@@ -13,10 +14,10 @@
 
 namespace occlude::tools {
 
-/// The output files that were asked for, found writable.
+/// The requested output files, all writable.
 class ReportFiles {
 public:
-    /// Opens every file that `options` names, before anything takes long.
+    /// Opens every file that `options` names, before any long work starts.
     static Result<ReportFiles> open(const CompareOptions& options);
 
     /// Writes all of them.
@@ -28,33 +29,33 @@ private:
     std::optional<OutputFile> html_;
 };
 
-/// A document about `path` on this session; runs are left empty.
+/// A document about `path` on this session; its runs are empty.
 BenchDocument describe(Session& session, const CompareOptions& options, const std::string& path,
                        size_t frames);
 
-/// Which objects have surfaces at exactly the same depth, as tied pixels of the runs show, most
-/// pixels first; the ten largest.
+/// The pairs of objects that have surfaces at exactly the same depth, found from tied pixels of the
+/// runs: the ten with most pixels, in descending order.
 std::vector<CoincidentObjects> coincident_objects(const Session& session,
                                                   std::span<const AlgorithmRun> runs);
 
 /// Prints what differed, if anything did.
 void print_differences(std::span<const AlgorithmRun> runs, std::ostream& out);
 
-/// What the frames of a document prove, said on `out` where it is less than it seems: frames that
-/// show nothing, frames in which nothing is hidden, coincident surfaces. The exit code that
-/// follows: kNothingProven if all frames are empty, or, with `must_hide`, if no run hid anything in
-/// any; with `strict`, kDiffers for coincident surfaces; else kDone.
+/// Reports on `out` what the frames of a document do not prove: frames that show nothing, frames in
+/// which nothing is hidden, coincident surfaces. Returns the exit code: kNothingProven if all
+/// frames are empty, or, with `must_hide`, if no run hid anything in any frame; with `strict`,
+/// kDiffers for coincident surfaces; otherwise kDone.
 int judge_evidence(const BenchDocument& document, bool must_hide, bool strict, std::ostream& out);
 
-/// Of two exit codes the one that a command should end with.
+/// The exit code of a command of which two parts end with these codes.
 int worse(int a, int b);
 
-/// The algorithms that were asked for on the trees of the session that were.
+/// The requested algorithms on the requested trees of the session.
 Result<std::vector<Contender>> contenders_of(Session& session, const CompareOptions& options,
                                              References references);
 
-/// Checks everything that can be checked before a scene is loaded, for messages at once. Says on
-/// `notes` which algorithms are left out on which hierarchies.
+/// Checks everything that can be checked before a scene is loaded, so that errors come at once.
+/// Reports on `notes` which algorithms are left out on which hierarchies.
 Result<bool> check_compare_options(const CompareOptions& options, std::ostream& notes);
 
 } // namespace occlude::tools

@@ -16,9 +16,10 @@ namespace occlude::tools {
 Result<int> convert_command(const ConvertOptions& options, const Streams& streams)
 {
     if (!options.out.ends_with(".glb")) {
-        return Error{ErrorCode::invalid_argument,
-                     fmt::format("--out: '{}' is no name of a binary glTF file; end it in .glb",
-                                 options.out)};
+        return Error{
+            ErrorCode::invalid_argument,
+            fmt::format("--out: '{}' is not the name of a binary glTF file; end it in .glb",
+                        options.out)};
     }
     auto scene_options = parse_file_options(options.file);
     if (!scene_options) {

@@ -6,7 +6,7 @@ namespace occlude::tools {
 
 namespace {
 
-// A command whose options need no more than parsing: `command` runs on them.
+// Adds a command whose options need only parsing: `command` runs on them.
 template <class Options>
 Command& add_plain(CommandLine& line, const std::string& name, const std::string& help,
                    const std::shared_ptr<Options>& options,
@@ -25,14 +25,14 @@ Argument output_glb(std::string& out)
 void add_list(CommandLine& line)
 {
     const auto options = std::make_shared<ListOptions>();
-    add_plain(line, "list", "List what there is to choose from", options, &list_command)
+    add_plain(line, "list", "List the available choices", options, &list_command)
         .add({{.name = "what",
                .target = &options->what,
                .help = "algorithms, hierarchies, devices, scenes or paths",
                .required = true},
               {.name = "scene",
                .target = &options->scene,
-               .help = "For paths: the scene whose paths to list"}});
+               .help = "With paths: also list the paths of this scene"}});
 }
 
 void add_generate(CommandLine& line)
@@ -41,7 +41,7 @@ void add_generate(CommandLine& line)
     add_plain(line, "generate", "Write a generated scene as a file", options, &generate_command)
         .add({{.name = "scene",
                .target = &options->scene,
-               .help = "A scene of 'occlude list scenes'",
+               .help = "A scene from 'occlude list scenes'",
                .type = "KIND[:KEY=VALUE,...]",
                .required = true},
               output_glb(options->out)});
@@ -75,7 +75,7 @@ void add_replay(CommandLine& line)
               options, &replay_command)
         .add({{.name = "file",
                .target = &options->file,
-               .help = "What 'bench --record' wrote",
+               .help = "A file that 'bench --record' wrote",
                .type = "FILE",
                .required = true},
               {.name = "--algorithms",

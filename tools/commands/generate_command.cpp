@@ -25,9 +25,10 @@ Result<int> generate_command(const GenerateOptions& options, const Streams& stre
             fmt::format("generate: there is no generator '{}'; choose one of {}", kind, known)};
     }
     if (!options.out.ends_with(".glb")) {
-        return Error{ErrorCode::invalid_argument,
-                     fmt::format("--out: '{}' is no name of a binary glTF file; end it in .glb",
-                                 options.out)};
+        return Error{
+            ErrorCode::invalid_argument,
+            fmt::format("--out: '{}' is not the name of a binary glTF file; end it in .glb",
+                        options.out)};
     }
     auto file = OutputFile::open(options.out);
     if (!file) {
@@ -48,8 +49,9 @@ Result<int> generate_command(const GenerateOptions& options, const Streams& stre
                                options.out, model->instances.size(), model->meshes.size(),
                                drawn_triangles(*model), 1e-6 * static_cast<double>(bytes->size()));
     if (!model->motion.empty() || !model->paths.empty()) {
-        streams.err << "occlude: paths and motion are not in the file; bench the generator itself "
-                       "to have them\n";
+        streams.err
+            << "occlude: the file has no paths and no motion; give 'bench' the generator itself "
+               "to measure with them\n";
     }
     return kDone;
 }

@@ -23,7 +23,7 @@ std::string list_algorithms()
         text += fmt::format("{} ({}{})\n    {}\n", info.name, info.paper,
                             info.exact ? "" : ", not exact", info.summary);
         text += info.hierarchies.empty()
-                    ? "    hierarchies: all alike, it makes no use of their nodes\n"
+                    ? "    hierarchies: any, it does not use their nodes\n"
                     : fmt::format("    hierarchies: {}\n", fmt::join(info.hierarchies, ", "));
         for (const OptionInfo& option : info.options) {
             text += fmt::format("    --set {}.{}={}  {}\n", info.name, option.name,

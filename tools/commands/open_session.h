@@ -1,4 +1,4 @@
-// A session for a command, with a line of progress for whoever watches.
+// Opens a session for a command, with a line of progress for a person who watches.
 #pragma once
 
 #include "commands/commands.h"
@@ -6,7 +6,7 @@
 
 namespace occlude::tools {
 
-/// Session::open() that shows on `streams.err` how far reading, cutting and building are.
+/// Session::open(), with the progress of reading, cutting and building on `streams.err`.
 Result<std::unique_ptr<Session>> open_session(const std::string& scene, const StageOptions& options,
                                               const Streams& streams);
 

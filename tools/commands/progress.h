@@ -1,4 +1,4 @@
-// A progress bar with an estimate, for a person at a terminal; silent for everyone else.
+// A progress bar with an estimate of the time left, for a person at a terminal; otherwise silent.
 #pragma once
 
 #include "measure/timing_device.h"
@@ -8,23 +8,23 @@
 
 namespace occlude::tools {
 
-/// Whether someone watches the error stream.
+/// Whether a person watches the error stream.
 enum class Watcher { terminal, none };
 
-/// A line of progress on a stream that someone may watch.
+/// A line of progress on a stream that a person may watch.
 class Progress {
 public:
     Progress(std::ostream& err, Watcher watcher, std::string label,
              SecondsClock clock = steady_seconds_clock());
-    /// Wipes the bar away.
+    /// Erases the bar.
     ~Progress();
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
     /// Shows that `share` (0 to 1) of the work is done; redraws at most ten times a second. NaN:
-    /// nobody knows how much; the time that has passed is shown instead.
+    /// the share is unknown, and the elapsed time is shown instead.
     void show(double share);
-    /// The same for work in phases, each with a name and an estimate of its own.
+    /// The same for work in phases, each with its own name and estimate.
     void show(const std::string& phase, double share);
 
 private:
@@ -35,7 +35,7 @@ private:
     SecondsClock clock_;
     double start_;
     double last_shown_;
-    size_t width_ = 0; ///< of the line on the screen
+    size_t width_ = 0; ///< width of the line on the screen
 };
 
 } // namespace occlude::tools

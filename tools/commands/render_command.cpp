@@ -126,7 +126,7 @@ Result<int> render_frames(Session& session, Culler& culler, std::span<const Came
 {
     session.renderer().warm_up();
     Progress progress{streams.err, streams.watcher, "rendering " + session.model().name};
-    std::optional<Camera> observer; // one for all frames, so that the scene stands still
+    std::optional<Camera> observer; // one camera for all frames, so that the scene stands still
     if (plan.overview) {
         observer = overview_camera(session.model(), cameras[plan.frames.first], options.stage.size);
     }

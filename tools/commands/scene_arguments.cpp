@@ -6,12 +6,12 @@ namespace occlude::tools {
 
 namespace {
 
-// The frames of the path, where --frames means something else.
+// The frames of the path, for commands in which --frames means something else.
 Argument path_frames(StageOptions& stage)
 {
     return {.name = "--path-frames",
             .target = &stage.frames,
-            .help = "Frames of the whole path",
+            .help = "Number of frames on the whole path",
             .shows_default = true,
             .whole = {{1, kMaxFrames}}};
 }
@@ -35,7 +35,7 @@ void add_render(CommandLine& line)
     RenderOptions& render = arguments->render;
     command.add({{.name = "scene",
                   .target = &render.scene,
-                  .help = "A file, or a scene of 'occlude list scenes'",
+                  .help = "A file, or a scene from 'occlude list scenes'",
                   .type = "SCENE",
                   .required = true},
                  {.name = "--algorithm",
@@ -51,7 +51,7 @@ void add_render(CommandLine& line)
           .whole = {{0, kMaxFrames - 1}}},
          {.name = "--frames",
           .target = &render.frame_range,
-          .help = "The frames FIRST:LAST to draw into a directory",
+          .help = "Draw the frames FIRST:LAST into a directory",
           .excludes = "--frame"},
          {.name = "--out",
           .target = &render.out,
@@ -63,7 +63,7 @@ void add_render(CommandLine& line)
           .help = "visible, hidden, boxes or states (default: visible; overview: states)"},
          {.name = "--camera",
           .target = &render.camera,
-          .help = "path, or overview: from high above",
+          .help = "path, or overview (from high above)",
           .shows_default = true}});
 }
 
@@ -85,11 +85,11 @@ void add_view(CommandLine& line)
         }
         return view_command(arguments->view, streams);
     };
-    Command& command = line.add("view", "Look at culling in an interactive viewer", run);
+    Command& command = line.add("view", "Show culling in an interactive viewer", run);
     ViewOptions& view = arguments->view;
     command.add({{.name = "scene",
                   .target = &view.scene,
-                  .help = "A file, or a scene of 'occlude list scenes'; without one, drop a file",
+                  .help = "A file, or a scene from 'occlude list scenes'; without one, drop a file",
                   .type = "SCENE"},
                  {.name = "--algorithm",
                   .target = &view.algorithm,
@@ -98,14 +98,14 @@ void add_view(CommandLine& line)
     command.add({path_frames(arguments->raw.stage),
                  {.name = "--scale",
                   .target = &view.scale,
-                  .help = "Size of panels; 1 is 96 dots per inch (default: the screen's)",
+                  .help = "Scale of panels; 1 is 96 dots per inch (default: the screen's)",
                   .real = {{0.5f, 4.0f}}},
                  {.name = "--headless",
                   .target = &view.headless,
-                  .help = "Without a window; ends after --frames or --script"},
+                  .help = "Run without a window; needs --frames or --script to end"},
                  {.name = "--frames",
                   .target = &view.frames,
-                  .help = "Ends after this many frames",
+                  .help = "End after this many frames",
                   .whole = {{1, kMaxFrames}}},
                  {.name = "--screenshot",
                   .target = &view.screenshot,
@@ -145,7 +145,7 @@ void add_info(CommandLine& line)
     add_frames_argument(command, arguments->raw.stage);
     command.add({.name = "--json",
                  .target = &arguments->info.json,
-                 .help = "Write all of it as JSON",
+                 .help = "Write all information as JSON",
                  .type = "FILE",
                  .is_file = true});
 }

@@ -67,7 +67,7 @@ std::vector<std::string> names_of(const std::vector<SuiteEntry>& entries)
     return names;
 }
 
-// Keeps the entries that --only names.
+// Keeps only the entries that --only names.
 Result<std::vector<SuiteEntry>> choose_entries(const std::vector<SuiteEntry>& all,
                                                const std::string& only)
 {
@@ -131,8 +131,8 @@ Result<BenchDocument> measure_entry(const SuiteEntry& entry, const SuiteOptions&
     return document;
 }
 
-// The suite's files: the results are written after every entry, so that a run that is broken
-// off leaves what it has measured.
+// The files of the suite. The results are written after every entry, so that an interrupted run
+// leaves what it has measured.
 class SuiteFiles {
 public:
     static Result<SuiteFiles> open(const SuiteOptions& options, const Suite& suite,
@@ -144,7 +144,7 @@ public:
         files.names_ = std::move(names);
         if (files.options_.report.empty() && suite.has_papers) {
             files.options_.report = kDefaultReport;
-            std::error_code ignored; // opening the file says what is wrong
+            std::error_code ignored; // opening the file reports the error
             std::filesystem::create_directories(
                 std::filesystem::path{files.options_.report}.parent_path(), ignored);
         }
@@ -202,7 +202,7 @@ private:
     std::string kept_;
 };
 
-// --from: no measuring.
+// --from: reports without measuring.
 Result<int> report_only(const SuiteOptions& options, const Suite& suite, const Streams& streams)
 {
     if (!suite.has_papers) {
@@ -226,7 +226,7 @@ Result<int> report_only(const SuiteOptions& options, const Suite& suite, const S
     return kDone;
 }
 
-// What algorithms that are not exact leave out is in the tables, and no news.
+// The tables show what inexact algorithms leave out, so that no message is needed.
 void print_broken_promises(std::span<const AlgorithmRun> runs, std::ostream& out)
 {
     for (const AlgorithmRun& run : runs) {
@@ -236,7 +236,7 @@ void print_broken_promises(std::span<const AlgorithmRun> runs, std::ostream& out
     }
 }
 
-// Errors in the suite's own tables and in the device come before any scene is made.
+// Errors in the suite's own tables and in the device are reported before any scene is made.
 Result<bool> check_entries(std::span<const SuiteEntry> entries, const SuiteOptions& options,
                            std::ostream& notes)
 {
@@ -276,7 +276,7 @@ Result<int> measure_suite(const SuiteOptions& options, const Suite& suite, const
     }
     std::vector<BenchDocument> documents;
     bool kept = true;
-    std::string failures; // an entry that cannot be measured does not keep the others from it
+    std::string failures; // an entry that cannot be measured does not stop the others
     ErrorCode first_failure{};
     for (const SuiteEntry& entry : *entries) {
         auto document = measure_entry(entry, options, streams);

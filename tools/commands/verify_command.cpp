@@ -9,7 +9,7 @@ namespace occlude::tools {
 
 namespace {
 
-// Walks the path `repeat` times with fresh cullers and keeps, for every frame, the worst verdict.
+// Walks the path `repeat` times with new cullers, and keeps the worst verdict of every frame.
 Result<std::vector<AlgorithmRun>> verify_repeatedly(const Stage& stage,
                                                     std::span<const Contender> contenders,
                                                     std::span<const View> views, size_t repeat,
@@ -74,7 +74,7 @@ Result<int> verify_command(const CompareOptions& options, const Streams& streams
     if (!files) {
         return files.error();
     }
-    // Unless told otherwise: a smooth path, where temporal state pays, and one that breaks it.
+    // By default: a smooth path, on which temporal state pays, and one that defeats it.
     const std::vector<std::string> paths = options.path_given
                                                ? std::vector<std::string>{options.stage.path}
                                                : std::vector<std::string>{"auto", "teleport"};

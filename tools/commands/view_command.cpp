@@ -24,7 +24,7 @@ static Result<bool> check_view_options(const ViewOptions& options)
     }
     if (options.headless && !options.frames && options.script.empty()) {
         return Error{ErrorCode::invalid_argument,
-                     "--headless: nobody would end it; give --frames or --script too"};
+                     "--headless: the viewer would never end; give --frames or --script, too"};
     }
     return true;
 }

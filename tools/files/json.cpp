@@ -9,7 +9,7 @@ namespace occlude::tools {
 
 namespace {
 
-// Leaves each name once, with its last value, where it came first. O(n log n): files may hold
+// Keeps each name once, with its last value, at its first place. O(n log n), because files may hold
 // anything.
 void drop_repeated_names(Json::Object& members)
 {
@@ -33,7 +33,7 @@ void drop_repeated_names(Json::Object& members)
     std::erase_if(members, [&](const Json::Member&) { return repeated[next++]; });
 }
 
-// Builds a document from what the parser meets, without a second document in between.
+// Builds a document directly from the parser's events, without a second document in between.
 class Builder final : public nlohmann::json_sax<nlohmann::json> {
 public:
     Json root;

@@ -1,5 +1,5 @@
-// A JSON document as a value. The parser and the printer are compiled once, in json.cpp, because
-// the library that does the work costs each file that includes it seconds of compile time.
+// A JSON document as a value. Only json.cpp includes the parser and the printer, because their
+// library costs each including file seconds of compile time.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@
 
 namespace occlude::tools {
 
-/// Arrays nested deeper than this are refused: documents are walked by recursion.
+/// Arrays nested deeper than this are refused, because documents are walked by recursion.
 constexpr int kDeepestJson = 256;
 
-/// What is thrown when a document is not what the reader expects; what() is a sentence.
+/// Thrown when a document is not what the reader expects; what() is a sentence.
 class JsonError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
@@ -69,7 +69,7 @@ public:
     }
     static Json array(std::initializer_list<Json> elements = {}) { return Json{Array{elements}}; }
     static Json object(std::initializer_list<Member> members = {}) { return Json{Object{members}}; }
-    /// An array of what the elements of any range convert to.
+    /// An array of the elements of any range, converted.
     template <class Range>
     static Json list(const Range& range)
     {
@@ -80,11 +80,11 @@ public:
         return result;
     }
 
-    /// Throws JsonError for what is no JSON or nests deeper than kDeepestJson. A member that comes
-    /// twice has its last value.
+    /// Throws JsonError for a text that is not JSON or nests deeper than kDeepestJson. A member
+    /// that comes twice has its last value.
     static Json parse(std::string_view text);
-    /// With an indent per level, or on one line if that is negative. Bytes that are not UTF-8 are
-    /// replaced.
+    /// Printed with an indent per level, or on one line if `indent` is negative. Bytes that are not
+    /// UTF-8 are replaced.
     std::string dump(int indent = -1) const;
 
     const Value& value() const { return value_; }
@@ -105,13 +105,13 @@ public:
     const Array& elements() const;
     const Object& members() const;
 
-    /// The member of that name, or null; also for what is no object.
+    /// The member of that name, or null; also null for a value that is not an object.
     const Json* find(std::string_view name) const;
     bool contains(std::string_view name) const { return find(name) != nullptr; }
     /// Throws JsonError if there is no such member, or no such element.
     const Json& at(std::string_view name) const;
     const Json& at(size_t index) const;
-    /// Of an array or an object; 0 otherwise.
+    /// The number of elements or members; 0 for other values.
     size_t size() const;
     bool empty() const { return size() == 0; }
 
@@ -128,8 +128,8 @@ private:
     Value value_;
 };
 
-/// A number that fits, without a fraction. Throws JsonError for anything else, which is quoted and
-/// said to be `what`.
+/// A number that fits, without a fraction. Throws JsonError for anything else; the sentence quotes
+/// it and names it `what`.
 uint32_t whole_number(const Json& value, std::string_view what);
 
 } // namespace occlude::tools

@@ -20,7 +20,7 @@ constexpr std::string_view kLastWords =
     "driver may have run out of it: allow more, use --device cpu, or a smaller --size. Otherwise "
     "this is a bug: please report the command.\n";
 
-alignas(16) std::array<char, 64 * 1024> g_stack; // there may be none left of the thread's own
+alignas(16) std::array<char, 64 * 1024> g_stack; // the thread's own stack may be full
 
 // Calls only what POSIX allows in a handler.
 void say_last_words(int)

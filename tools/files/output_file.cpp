@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kMaxLinks = 40; // as many as Linux follows
+constexpr int kMaxLinks = 40; // Linux follows as many
 
 Error cannot_write(const fs::path& path, std::string_view why)
 {
@@ -34,8 +34,8 @@ bool same_file(const struct stat& a, const struct stat& b)
     return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
-/// The descriptor of standard output or standard error that writes to this plain file. Renaming
-/// would part the file from the descriptor; a second descriptor would overwrite what it printed.
+/// The descriptor of standard output or standard error, if it writes to this plain file. Renaming
+/// would separate the file from the descriptor; a second descriptor would overwrite its output.
 std::optional<int> standard_stream_to(const struct stat& file)
 {
     for (const int descriptor : {STDOUT_FILENO, STDERR_FILENO}) {
@@ -48,7 +48,7 @@ std::optional<int> standard_stream_to(const struct stat& file)
     return std::nullopt;
 }
 
-/// The file that a chain of symbolic links leads to, whether it exists or not; empty if the links
+/// The file at the end of a chain of symbolic links, whether it exists or not; empty if the links
 /// run in a circle.
 fs::path follow_links(fs::path path)
 {
@@ -100,7 +100,7 @@ Result<OutputFile> OutputFile::open(const fs::path& path)
                                  path.string(), directory.string())};
     }
     if (const TemporaryFile probe{target}; probe.failed() != 0) {
-        if (exists) { // the directory takes no new files, but this one can be written
+        if (exists) { // the directory accepts no new files, but this file can be written
             return OutputFile{path, path, How::through};
         }
         return cannot_write(
@@ -138,7 +138,7 @@ Result<bool> OutputFile::write_through(std::string_view content) const
     if (::stat(target_.c_str(), &there) == 0 && S_ISREG(there.st_mode)) {
         stream = standard_stream_to(there);
     }
-    // A plain file is emptied; everything else has no length. A FIFO waits for its reader here.
+    // Truncates a plain file; others have no length. Opening a FIFO waits for its reader here.
     const int descriptor =
         stream ? ::dup(*stream) : ::open(target_.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC, 0666);
     int failed = descriptor < 0 ? errno : write_all(descriptor, content);

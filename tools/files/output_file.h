@@ -1,9 +1,9 @@
-// A file that the program writes: complete, or as it was before.
+// A file that the program writes: either complete, or unchanged.
 //
 // A plain file is written beside its name and then renamed, so that no reader ever sees half of it.
-// Everything else is written through: a device node, a FIFO, a socket's descriptor, a file with
-// several names (hard links) and a file that standard output or standard error already goes to. A
-// symbolic link stays; the file that it leads to is replaced.
+// Other files are written in place: a device node, a FIFO, a socket's descriptor, a file with
+// several names (hard links), and a file that standard output or standard error already writes to.
+// A symbolic link stays; its target is replaced.
 #pragma once
 
 #include <occlude/core/result.h>
@@ -15,12 +15,12 @@ namespace occlude::tools {
 
 class OutputFile {
 public:
-    /// Finds out now whether `path` can be written later, before long work starts. Leaves nothing
-    /// behind: neither a temporary file nor an open descriptor. Errors name the path, the reason
-    /// and the remedy.
+    /// Checks whether `path` can be written later, before long work starts. Leaves nothing behind,
+    /// neither a temporary file nor an open descriptor. Errors name the path, the reason and the
+    /// remedy.
     static Result<OutputFile> open(const std::filesystem::path& path);
 
-    /// Writes everything. Errors leave a plain file as it was. If SIGINT, SIGTERM or SIGHUP ends
+    /// Writes everything. On an error a plain file is unchanged. If SIGINT, SIGTERM or SIGHUP ends
     /// the program meanwhile, the temporary file is removed first.
     Result<bool> commit(std::string_view content);
 
@@ -41,7 +41,7 @@ private:
     Result<bool> write_through(std::string_view content) const;
 
     std::filesystem::path path_;   ///< as the user wrote it
-    std::filesystem::path target_; ///< where symbolic links lead to
+    std::filesystem::path target_; ///< the target of symbolic links
     How how_;
 };
 

@@ -1,4 +1,4 @@
-// JSON that others wrote: parsed to a depth that may be walked by recursion, numbers in range.
+// Parses JSON from others: limits the nesting for recursion, and checks the range of numbers.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,10 +10,10 @@
 
 namespace occlude::tools {
 
-/// Far more levels than any file needs, far fewer than end a stack.
+/// Far more levels than any file needs, and far fewer than exhaust a stack.
 constexpr int kDeepestJson = 256;
 
-/// Whether brackets outside of strings are nested deeper than kDeepestJson.
+/// True if brackets outside strings are nested deeper than kDeepestJson.
 inline bool nests_too_deeply(std::string_view json)
 {
     int depth = 0;
@@ -23,7 +23,7 @@ inline bool nests_too_deeply(std::string_view json)
         if (c == '"') {
             in_string = !in_string;
         } else if (in_string) {
-            i += c == '\\'; // what is escaped ends nothing
+            i += c == '\\'; // an escaped character ends nothing
         } else {
             depth += (c == '{' || c == '[') - (c == '}' || c == ']');
         }
@@ -31,8 +31,9 @@ inline bool nests_too_deeply(std::string_view json)
     return depth > kDeepestJson;
 }
 
-/// Parses as Json::parse does, and throws std::length_error for what nests too deeply. (A callback
-/// of the parser could tell, too, but makes it look at all elements of a list after each.)
+/// Parses like Json::parse, but throws std::length_error if the nesting is too deep. (A callback of
+/// the parser could tell, too, but it makes the parser visit all elements of a list after each
+/// one.)
 template <class Json>
 Json parse_json(std::string_view text)
 {
@@ -42,8 +43,8 @@ Json parse_json(std::string_view text)
     return Json::parse(text);
 }
 
-/// A number that fits, without a fraction; throws std::out_of_range for anything else, which is
-/// quoted and said to be `what`.
+/// A number that fits, without a fraction. Throws std::out_of_range for anything else; the sentence
+/// quotes it and names it `what`.
 template <class Json>
 uint32_t whole_number(const Json& value, std::string_view what)
 {

@@ -22,7 +22,8 @@ namespace {
 
 constexpr std::array kEndingSignals = {SIGINT, SIGTERM, SIGHUP};
 
-// What a signal handler may read: plain memory, written while the handler is not installed.
+// The data that the signal handler reads: plain memory, written only while the handler is not
+// installed.
 std::array<char, PATH_MAX> doomed_path{};
 bool guarded = false;
 
@@ -44,7 +45,7 @@ void set_handler(void (*from)(int), void (*to)(int))
     }
 }
 
-/// True if a signal that ends the program now removes `path` first.
+/// True if a signal that ends the program will remove `path` first.
 bool guard(const fs::path& path)
 {
     const std::string& text = path.native();
@@ -89,7 +90,7 @@ TemporaryFile::TemporaryFile(const fs::path& beside)
     guard(path_);
     constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
     descriptor_ = ::open(path_.c_str(), kFlags, 0666);
-    if (descriptor_ < 0 && errno == EEXIST) { // left by a dead process that had our number
+    if (descriptor_ < 0 && errno == EEXIST) { // left by a dead process with our number
         ::unlink(path_.c_str());
         descriptor_ = ::open(path_.c_str(), kFlags, 0666);
     }
@@ -101,7 +102,7 @@ TemporaryFile::TemporaryFile(const fs::path& beside)
     there_ = true;
     struct stat old {};
     if (::stat(beside.c_str(), &old) == 0) {
-        // A file system without permissions refuses this; the content counts.
+        // A file system without permissions refuses this, but only the content matters.
         [[maybe_unused]] const int refused = ::fchmod(descriptor_, old.st_mode & 07777);
     }
 }

@@ -1,4 +1,4 @@
-// A file beside the one it will replace, which no way of ending the program leaves behind.
+// A file beside the one that it will replace. It is removed however the program ends.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@ namespace occlude::tools {
 /// Writes everything to the descriptor. Returns 0, or the errno of the failure.
 int write_all(int descriptor, std::string_view content);
 
-/// Removed when it goes out of scope, or by a signal that ends the program (SIGINT, SIGTERM,
-/// SIGHUP, as far as nobody else handles them), unless it was renamed. At most one per process at
-/// any time has the protection from signals.
+/// Removed in the destructor, or by a signal that ends the program (SIGINT, SIGTERM, SIGHUP, unless
+/// the program handles them), if it was not renamed. Only one per process at a time is protected
+/// from signals.
 class TemporaryFile {
 public:
     /// Creates `beside`.PID.part with the permissions of `beside`, if that exists.
@@ -20,13 +20,13 @@ public:
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
 
-    /// 0, or the errno of the first thing that failed; nothing is done after a failure.
+    /// 0, or the errno of the first failure; nothing is done after a failure.
     int failed() const { return failed_; }
 
     void write(std::string_view content);
     /// For writers of their own; -1 after a failure. It belongs to this object.
     int descriptor() const { return descriptor_; }
-    /// Gives the file its name, replacing what has it.
+    /// Renames the file to its final name, replacing the file there.
     void rename_to(const std::filesystem::path& name);
 
 private:

@@ -10,12 +10,12 @@ namespace occlude::tools {
 
 namespace {
 
-// Frames of the untimed run before the timed ones, spread over the path: enough to load what the
-// path shows into caches and to meet every shader variant.
+// How many frames the untimed run before the timed ones has, spread over the path. They suffice to
+// load what the path shows into caches and to use every shader variant.
 constexpr size_t kWarmUpFrames = 4;
 constexpr double kMsPerSecond = 1000.0;
 
-// What repeats of one frame measured, before the median is taken.
+// The measurements of one frame in each repeat, before the median is taken.
 struct Samples {
     std::vector<double> frame_ms;
     std::vector<double> wait_ms;
@@ -52,7 +52,7 @@ public:
         warm_up();
         for (size_t repeat = 0; repeat < options_.repeat; ++repeat) {
             for (const auto& culler : cullers_) {
-                // Tickets of the walk before must not fill the device in this one.
+                // Unspent tickets of the previous walk must not fill the device in this one.
                 culler->release(stage_.renderer.device());
             }
             walk_path(repeat);
@@ -69,8 +69,8 @@ private:
         return owners_of_pixels(stage_.renderer.render_ids(views_[frame], items));
     }
 
-    // Every frame to its end, as those that are timed: a target cleared before it was drawn is
-    // never drawn, and the first that is timed would pay for what comes but once.
+    // Ends every frame as the timed ones end. A target that is cleared before it was drawn is never
+    // drawn, and the first timed frame would pay for work that happens only once.
     void warm_up()
     {
         stage_.renderer.warm_up();
@@ -104,7 +104,7 @@ private:
         }
     }
 
-    // A frame between two samples: seen only by those who would miss it.
+    // A frame between two samples, which only algorithms that remember earlier frames cull.
     void pass_frame(size_t frame)
     {
         for (size_t i = 0; i < cullers_.size(); ++i) {
@@ -214,13 +214,13 @@ private:
     const MeasureOptions& options_;
     std::span<const Contender> contenders_;
     std::vector<std::unique_ptr<Culler>> cullers_;
-    std::vector<size_t> sampled_frames_;      // of the path, ascending
+    std::vector<size_t> sampled_frames_;      // indices into the path, ascending
     std::vector<std::vector<ItemId>> owners_; // by sample, as is the second index of the next two
     std::vector<std::vector<Samples>> samples_;
     std::vector<AlgorithmRun> runs_;
 };
 
-// The run of `algorithm` that `better` prefers to all others, the first of equals; null: none.
+// The run of `algorithm` that `better` prefers to all others, and the first of equals; null: none.
 template <class Better>
 const AlgorithmRun* find_run(std::span<const AlgorithmRun> runs, std::string_view algorithm,
                              Better&& better)

@@ -17,7 +17,7 @@ MotionPlayer::MotionPlayer(const SceneModel& model, CullScene& scene, MovingTree
     , transforms_(model.instances.size())
 {
     OCCLUDE_ASSERT(model.motion.instances.size() == model.instances.size(),
-                   "the motion of a scene says something of every instance");
+                   "the motion of a scene must have one entry per instance");
 }
 
 void MotionPlayer::go_to(size_t frame)
@@ -49,7 +49,7 @@ double MotionPlayer::tree_update_ms() const
 void MotionPlayer::rewind()
 {
     [[maybe_unused]] const ItemBounds* place = scene_.scene.item_bounds().data();
-    scene_ = first_; // of the same sizes: every array keeps its memory
+    scene_ = first_; // the sizes are the same, so that every array keeps its memory
     OCCLUDE_ASSERT(scene_.scene.item_bounds().data() == place, "the boxes of a stage have moved");
     items_changed_ = true;
     tree_.rewind(scene_.scene);
@@ -66,7 +66,8 @@ void MotionPlayer::add(uint32_t instance)
     items_changed_ = true;
 }
 
-// First all that vanishes, then all that appears, so that no more slots are needed than there are.
+// First removes everything that vanishes, then adds everything that appears, so that no additional
+// slots are needed.
 void MotionPlayer::take_over(size_t frame)
 {
     const Motion& motion = model_.motion;
@@ -74,9 +75,10 @@ void MotionPlayer::take_over(size_t frame)
         transforms_[i] =
             moved(motion.instances[i], motion.box, model_.instances[i].world_from_mesh, frame);
         if (exists(motion.instances[i], frame)) {
-            scene_.scene.move(scene_.objects[i], transforms_[i]); // nothing if it is not there yet
+            scene_.scene.move(scene_.objects[i], transforms_[i]); // nothing if it has not appeared
+                                                                  // yet
         } else {
-            scene_.scene.remove(scene_.objects[i]); // nothing if it is gone
+            scene_.scene.remove(scene_.objects[i]); // nothing if it has vanished
         }
     }
     for (uint32_t i = 0; i < transforms_.size(); ++i) {

@@ -1,6 +1,6 @@
 // Plays the motion of a scene: brings the boxes, the tree and the renderer to the state of a frame,
 // as an engine does between frames. An object that vanishes is removed from the Scene, one that
-// appears is added, so item ids are used again, mostly by other objects.
+// appears is added. So item ids are reused, mostly by other objects.
 #pragma once
 
 #include "measure/moving_tree.h"
@@ -13,19 +13,19 @@ namespace occlude::tools {
 
 class MotionPlayer {
 public:
-    /// Keeps references; all must outlive the player and belong together: `scene` is
-    /// make_cull_scene(model), not yet changed. Nothing happens before go_to(). Precondition: the
-    /// model has a motion.
+    /// Keeps references; all must outlive the player and belong together. `scene` is
+    /// make_cull_scene(model), unchanged. Does nothing before go_to(). Precondition: the model has
+    /// a motion.
     MotionPlayer(const SceneModel& model, CullScene& scene, MovingTree& tree,
                  SceneRenderer& renderer);
 
     /// Brings everything to the state of `frame`. Frame 0, and any frame before the last one,
-    /// starts over: the same frames in the same order give the same ids, trees and images.
-    /// scene.item_bounds() stays where it is. O(items) and what the tree costs.
+    /// starts again from the beginning: the same frames in the same order give the same ids, trees
+    /// and images. scene.item_bounds() keeps its address. O(items) plus the cost of the tree.
     void go_to(size_t frame);
 
-    /// Mean time that the tree took to follow, per frame since the player was made; NaN before
-    /// that.
+    /// The mean time in which the tree followed a frame, since the player was made; NaN before the
+    /// first.
     double tree_update_ms() const;
 
 private:
@@ -37,7 +37,7 @@ private:
     CullScene& scene_;
     MovingTree& tree_;
     SceneRenderer& renderer_;
-    CullScene first_;                   ///< the scene as it was given: every object has its slots
+    CullScene first_;                   ///< the initial scene: every object has its slots
     std::vector<glm::mat4> transforms_; ///< by instance, in the current frame
     size_t frame_ = 0;
     bool items_changed_ = false;

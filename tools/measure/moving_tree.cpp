@@ -39,8 +39,7 @@ void RefittedTree::update(const Scene& scene, size_t frame)
     }
 }
 
-// Free slots keep a place near where they were last used, rather than all in one corner of the
-// tree.
+// Free slots keep a place near their last use, so that they do not crowd in one corner of the tree.
 void RefittedTree::build_tree(size_t frame)
 {
     hierarchy_ = build_(reserved_);

@@ -1,4 +1,4 @@
-// Keeps a tree in step with a scene whose objects move, come and go.
+// Keeps a tree up to date with a scene whose objects move, come and go.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>
@@ -19,10 +19,11 @@ public:
     MovingTree(const MovingTree&) = delete;
     MovingTree& operator=(const MovingTree&) = delete;
 
-    /// Starts over: `scene` has all its objects, where they are at first. What follows depends on
-    /// nothing that was before.
+    /// Starts again: `scene` has all its objects in their initial places. The results do not depend
+    /// on earlier frames.
     virtual void rewind(const Scene& scene) = 0;
-    /// Takes over the scene as it is in `frame`: once per frame, before any view is culled.
+    /// Takes over the state of the scene in `frame`. Call it once per frame, before any view is
+    /// culled.
     virtual void update(const Scene& scene, size_t frame) = 0;
 
 protected:
@@ -31,24 +32,23 @@ protected:
 
 using BuildHierarchy = std::function<Hierarchy(std::span<const ItemBounds>)>;
 
-/// Any hierarchy, refitted in every frame. As all objects are there when it is built, every item id
-/// has its place in it for ever: a free slot has an empty box, which is outside of every frustum.
-/// It is rebuilt only when refitting has made it too bad, because cullers then forget what they
-/// know.
+/// Any hierarchy, refitted in every frame. All objects exist when it is built, so that every item
+/// id has a permanent place in it: a free slot has an empty box, which is outside every frustum. It
+/// is rebuilt only when refitting has made it too slow, because cullers forget their state then.
 class RefittedTree final : public MovingTree {
 public:
-    /// Rebuilt when its expected cost (sah_cost()) exceeds that of the fresh tree this many
+    /// Rebuilt when its expected cost (sah_cost()) exceeds the cost of the fresh tree this many
     /// times, but not before this many frames.
     static constexpr double kWorstCost = 1.5;
     static constexpr size_t kRebuildPause = 16;
 
-    /// Keeps a reference. `hierarchy` is what `build` makes of the boxes of `scene`, which has all
-    /// its objects.
+    /// Keeps a reference. `hierarchy` is the result of `build` for the boxes of `scene`, which has
+    /// all its objects.
     RefittedTree(Hierarchy& hierarchy, const Scene& scene, BuildHierarchy build);
 
-    /// Builds, if update() has built.
+    /// Builds the tree again if update() has rebuilt it.
     void rewind(const Scene& scene) override;
-    /// O(items + nodes), and a build now and then.
+    /// O(items + nodes), and occasionally a build.
     void update(const Scene& scene, size_t frame) override;
 
     /// How often the tree was rebuilt since the last rewind().
@@ -65,7 +65,7 @@ private:
     size_t rebuilds_ = 0;
 };
 
-/// The two-level tree, which relinks what has moved.
+/// The two-level tree, which relinks moved objects.
 class RelinkedTree final : public MovingTree {
 public:
     /// Keeps a reference.
@@ -83,7 +83,7 @@ private:
     TwoLevelOptions options_;
 };
 
-/// Several trees of the same scene, all kept in step.
+/// Several trees of the same scene, all kept up to date.
 class MovingTrees final : public MovingTree {
 public:
     explicit MovingTrees(std::vector<std::unique_ptr<MovingTree>> trees)

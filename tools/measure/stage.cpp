@@ -58,7 +58,7 @@ std::vector<ItemId> in_draw_order(const View& view, std::span<const ItemBounds> 
 std::vector<ItemId> owners_of_pixels(std::span<const uint32_t> ids)
 {
     std::vector<uint32_t> sorted{ids.begin(), ids.end()};
-    // Neighbours mostly share their owner: what remains to be sorted is short.
+    // Neighbours mostly have the same owner, so that little remains to be sorted.
     sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
     std::sort(sorted.begin(), sorted.end());
     sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());

@@ -1,4 +1,4 @@
-// The few figures that summarise a list of measurements.
+// The figures that summarise a list of measurements.
 #pragma once
 
 #include <span>

@@ -4,7 +4,7 @@ namespace occlude::tools {
 
 namespace {
 
-// Adds the lifetime of the object to a sum of seconds.
+// Adds its own lifetime to a sum of seconds.
 class Span {
 public:
     Span(const SecondsClock& clock, double& sum)

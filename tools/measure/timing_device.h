@@ -1,4 +1,4 @@
-// A decorator that measures how long the device takes, so that the rest of a frame can be charged
+// A decorator that measures the time of the device, so that the rest of a frame can be attributed
 // to the culler.
 #pragma once
 
@@ -9,7 +9,7 @@ namespace occlude::tools {
 
 class TimingDevice final : public ForwardingDevice {
 public:
-    /// `inner` outlives the decorator.
+    /// `inner` must outlive the decorator.
     TimingDevice(QueryDevice& inner, SecondsClock clock)
         : ForwardingDevice(inner)
         , clock_(std::move(clock))
@@ -22,7 +22,7 @@ public:
     double wait_seconds() const { return wait_seconds_; }
     /// Seconds spent in read_depth() and read_depth_tiles().
     double read_seconds() const { return read_seconds_; }
-    /// Calls of poll(): what a culler decides after one may depend on when answers arrive.
+    /// Calls of poll(). The decisions of a culler that polls may depend on when answers arrive.
     uint64_t polls() const { return polls_; }
     void restart();
 

@@ -45,8 +45,7 @@ Capture draw_and_capture(const Stage& stage, const View& view, std::span<const I
     return stage.renderer.capture();
 }
 
-// Walks up from each item's node to the first node that something was decided for. O(items +
-// nodes).
+// Walks up from each item's node to the first node with a decision. O(items + nodes).
 void blame(const Hierarchy& hierarchy, const DecisionLog& decisions,
            std::span<MissingItem> missing_items)
 {
@@ -95,8 +94,8 @@ std::vector<MissingItem> find_missing(const Stage& stage, const View& view, cons
     return missing;
 }
 
-// Whose surfaces lie at the same depth in tied pixels: the items that show if those drawn are drawn
-// in one order and in the other. Kept are the pairs of most pixels.
+// Finds the items with surfaces at the same depth in tied pixels: the items that show if the drawn
+// ones are drawn in one order and in the other. Keeps the pairs with most pixels.
 std::vector<CoincidentItems> find_coincident(const Stage& stage, const View& view, const Mask& tied,
                                              std::span<const ItemId> drawn_ascending)
 {
@@ -135,7 +134,7 @@ std::string describe_missing(const MissingItem& missing)
     const std::string item =
         fmt::format("item {} ({} pixels) is missing", missing.item.value, missing.pixels);
     if (!missing.node.valid()) {
-        return item + ", no node above it was decided";
+        return item + ", no node above it has a decision";
     }
     return fmt::format("{}, node {} was decided '{}'", item, missing.node.value,
                        to_string(missing.decision));
@@ -160,8 +159,7 @@ std::string describe_frame(const AlgorithmRun& run, size_t frame, const Verdict&
     return line;
 }
 
-// True for an image of one colour and one depth: nothing, or a wall that stands upright before the
-// camera.
+// True for an image of one colour and one depth: nothing, or a wall parallel to the image plane.
 bool is_one_color(const Capture& capture)
 {
     const auto all_alike = [](const auto& values) {
@@ -171,7 +169,7 @@ bool is_one_color(const Capture& capture)
     return all_alike(capture.color.pixels) && all_alike(capture.depth);
 }
 
-// True if no item shows in the image of all of them.
+// True if no item is visible when all are drawn.
 bool shows_nothing(const Stage& stage, const View& view, std::span<const ItemId> items,
                    const Capture& reference)
 {
@@ -198,7 +196,7 @@ void verify_frame(const Stage& stage, const View& view, const Capture& reference
         judge_frame(walked, view, reference, culled, culler.drawn_items(), culler.decisions());
 }
 
-// Pixels of the culled frame that its own items, drawn without tests, do not explain.
+// The pixels of the culled frame that differ when its own items are drawn again without tests.
 Mask unexplained(const Stage& stage, const View& view, const Capture& culled,
                  std::span<const ItemId> drawn)
 {
@@ -206,7 +204,7 @@ Mask unexplained(const Stage& stage, const View& view, const Capture& culled,
     if (count_set(forward) == 0) {
         return forward;
     }
-    // After a depth-only pass the last of equals is seen, not the first: as if drawn backwards.
+    // After a depth-only pass the last of equals shows, not the first, as if drawn backwards.
     const std::vector<ItemId> reversed{drawn.rbegin(), drawn.rend()};
     Mask backward = difference(culled, draw_and_capture(stage, view, reversed));
     return count_set(backward) == 0 ? backward : forward;

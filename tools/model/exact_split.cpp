@@ -22,8 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Part of every name: a new number makes old files unseen. Changes with split_triangles() or the
-/// layout of the files.
+/// Part of every file name, so that a new number hides old files. Increase it when
+/// split_triangles() or the layout of the files changes.
 constexpr uint64_t kVersion = 1;
 constexpr uint64_t kMagic = 0x31544c505343434full; // "OCCSPLT1"
 
@@ -89,7 +89,7 @@ bool read_array(std::ifstream& in, std::vector<T>& values, uint64_t count)
     return static_cast<bool>(in);
 }
 
-// A checksum does not stop a file that was made wrong; nothing here may crash a renderer.
+// A checksum does not detect a file that was written wrongly; no content may crash a renderer.
 bool consistent(const Mesh& mesh)
 {
     uint64_t next = 0;
@@ -165,7 +165,7 @@ std::optional<Mesh> read_cut_mesh(const fs::path& file)
         !in.read(reinterpret_cast<char*>(&header), sizeof header) || header.magic != kMagic) {
         return std::nullopt;
     }
-    // The size of the file bounds the counts before anything is allocated by them.
+    // The size of the file limits the counts before they allocate anything.
     const uint64_t most = size / sizeof(uint32_t);
     if (header.positions > most || header.indices > most || header.parts > most ||
         sizeof header + header.positions * 2 * sizeof(glm::vec3) +
@@ -210,7 +210,7 @@ bool split_mesh_exactly(Mesh& mesh, uint32_t item_triangles, const fs::path& cac
         mesh.parts.push_back({part.first_index, part.index_count, part.box});
     }
     if (cached) {
-        write_cut_mesh(file, mesh); // if it fails, it is cut again next time
+        write_cut_mesh(file, mesh); // if it fails, the mesh is cut again next time
     }
     return false;
 }

@@ -33,7 +33,7 @@ uint64_t triangles_of(std::span<const Placed> placed)
                            [](uint64_t sum, const Placed& one) { return sum + one.triangles; });
 }
 
-/// Whether some stretch of the axis is so long and empty that a far gap may be in it. O(instances).
+/// True if some stretch of the axis is so long and empty that it may hold a far gap. O(instances).
 bool may_have_gap(const std::vector<Placed>& placed, int axis)
 {
     constexpr size_t kBins = 1024;
@@ -47,7 +47,7 @@ bool may_have_gap(const std::vector<Placed>& placed, int axis)
         const float share = (at - all.min[axis]) / size;
         return std::min(static_cast<size_t>(share * static_cast<float>(kBins)), kBins - 1);
     };
-    std::vector<int64_t> change(kBins + 1, 0); // of how many instances cover a bin
+    std::vector<int64_t> change(kBins + 1, 0); // number of instances that cover a bin
     for (const Placed& one : placed) {
         ++change[bin_of(one.box.min[axis])];
         --change[bin_of(one.box.max[axis]) + 1];
@@ -68,12 +68,13 @@ float size_of(std::span<const Placed> placed)
     return glm::length(bounds_of(placed).extent());
 }
 
-/// Where the sorted instances fall apart along the axis: the first gap that is far; 0 if none is.
+/// The place where the sorted instances separate along the axis: the first far gap; 0 if there is
+/// none.
 size_t far_gap(std::span<const Placed> sorted, int axis)
 {
     const size_t few = sorted.size() / kFewShare;
     const float core = size_of(sorted.subspan(few, sorted.size() - 2 * few));
-    const float half = 0.5f * bounds_of(sorted).extent()[axis]; // of which there is at most one gap
+    const float half = 0.5f * bounds_of(sorted).extent()[axis]; // of which at most one gap is far
     float reach = sorted.front().box.max[axis];
     for (size_t i = 1; i < sorted.size(); ++i) {
         const float gap = sorted[i].box.min[axis] - reach;
@@ -88,7 +89,7 @@ size_t far_gap(std::span<const Placed> sorted, int axis)
     return 0;
 }
 
-/// Leaves out the side beyond a far gap that has fewer triangles. False if there is no such gap.
+/// Leaves out the side of a far gap that has fewer triangles. False if there is no such gap.
 bool cut_far_side(std::vector<Placed>& placed, int axis)
 {
     if (placed.size() < 2 || !may_have_gap(placed, axis)) {

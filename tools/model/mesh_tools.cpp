@@ -15,10 +15,10 @@ namespace occlude::tools {
 namespace {
 
 constexpr float kSmoothCosine = 0.766f; // 40 degrees
-/// A shape has at most kMostBoxes boxes, and one for kTrianglesPerBox triangles of the part.
+/// A shape has at most kMostBoxes boxes, and one for each kTrianglesPerBox triangles of the part.
 constexpr uint32_t kMostBoxes = 16;
 constexpr uint32_t kTrianglesPerBox = 32;
-/// Beyond this many triangles around a position it is smoothed as a whole, to bound the cost.
+/// A position with more triangles is smoothed as a whole, to limit the cost.
 constexpr size_t kFanLimit = 64;
 
 uint32_t bits(float value)
@@ -43,7 +43,8 @@ struct VertexHash {
     }
 };
 
-/// Gives every corner a vertex of its own out of `normals` (one per corner), then joins equal ones.
+/// Gives every corner its own vertex with a normal of `normals` (one per corner), then joins equal
+/// vertices.
 void assign_corners(Mesh& mesh, const std::vector<glm::vec3>& corner_normals)
 {
     std::unordered_map<VertexKey, uint32_t, VertexHash> seen;
@@ -80,7 +81,7 @@ glm::vec3 area_vector(std::span<const glm::vec3> positions, std::span<const uint
     return sum;
 }
 
-/// True if the corner `at` of the outline sticks out and no other corner lies in it.
+/// True if the corner `at` of the outline is convex and no other corner lies in its triangle.
 bool is_ear(std::span<const glm::vec3> positions, std::span<const uint32_t> outline, size_t at,
             const glm::vec3& normal)
 {
@@ -110,7 +111,8 @@ bool is_ear(std::span<const glm::vec3> positions, std::span<const uint32_t> outl
 void triangulate(std::span<const glm::vec3> positions, std::span<const uint32_t> polygon,
                  std::vector<uint32_t>& out)
 {
-    constexpr size_t kMostCorners = 4096; // beyond it a fan, to bound the time for broken files
+    constexpr size_t kMostCorners = 4096; // larger polygons become a fan, to limit the time for
+                                          // broken files
     if (polygon.size() < 3) {
         return;
     }
@@ -122,7 +124,7 @@ void triangulate(std::span<const glm::vec3> positions, std::span<const uint32_t>
             ++ear;
         }
         if (ear == outline.size() || outline.size() > kMostCorners) {
-            ear = 1; // crossing or flat: cut anything
+            ear = 1; // crossing or flat: cut any ear
         }
         const size_t before = (ear + outline.size() - 1) % outline.size();
         const size_t after = (ear + 1) % outline.size();

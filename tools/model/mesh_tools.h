@@ -1,4 +1,4 @@
-// What loaders and generators do to meshes.
+// Operations of loaders and generators on meshes.
 #pragma once
 
 #include "model/scene_model.h"
@@ -11,13 +11,12 @@
 
 namespace occlude::tools {
 
-/// Sets mesh.parts: one part, or several of at most `item_triangles` each; then the indices are
-/// reordered. Precondition: the mesh has triangles.
+/// Sets mesh.parts: one part, or several of at most `item_triangles` each, for which it reorders
+/// the indices. Precondition: the mesh has triangles.
 void partition_mesh(Mesh& mesh, uint32_t item_triangles);
 
-/// Gives the parts of a mesh that are worth it their shapes (scene/tight_boxes.h): those of many
-/// triangles, so that a test of all boxes costs a small part of drawing them. The parts must be
-/// final. O(triangles).
+/// Gives shapes (scene/tight_boxes.h) to the parts of a mesh with so many triangles that a test of
+/// all boxes costs a small share of drawing them. The parts must be final. O(triangles).
 void make_shapes(Mesh& mesh);
 
 /// Gives a mesh normals from its triangles, and joins its equal vertices. Corners at one position
@@ -29,7 +28,7 @@ void make_normals(Mesh& mesh);
 void weld(Mesh& mesh);
 
 /// Cuts a polygon into triangles, appended to `out` in the polygon's winding: ears of the outline
-/// seen along its normal, so that hollow corners stay hollow. A polygon that crosses itself gives
+/// seen along its normal, so that concave corners stay concave. A polygon that crosses itself gives
 /// some triangles over its corners. Polygons of less than 3 corners give none. O(corners^2).
 void triangulate(std::span<const glm::vec3> positions, std::span<const uint32_t> polygon,
                  std::vector<uint32_t>& out);
@@ -81,8 +80,8 @@ struct SurfaceFrame {
     void relief(MeshBuilder& builder, const glm::vec3& low, const glm::vec3& high) const;
 };
 
-/// `segments` points on the unit circle, counter-clockwise from (1, 0). From square roots only, so
-/// the same on every machine. Precondition: segments is 4, 8, 16 or 32.
+/// `segments` points on the unit circle, counter-clockwise from (1, 0). Computed by square roots
+/// only, and so the same on every machine. Precondition: segments is 4, 8, 16 or 32.
 std::vector<glm::vec2> unit_circle(uint32_t segments);
 
 /// A tapered upright cylinder without its bottom, 2 or 3 triangles per segment.

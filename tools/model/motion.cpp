@@ -8,20 +8,20 @@
 namespace occlude::tools {
 namespace {
 
-/// Where a ball that starts at `start` and flies `way` is between two walls.
+/// The position of a ball between two walls that starts at `start` and flies `way`.
 double bounced(double start, double way, double low, double high)
 {
     const double width = high - low;
     if (!(width > 0.0)) {
         return start;
     }
-    // There and back again is one period of the position.
+    // The position has a period of once there and back.
     double along = std::fmod(start - low + way, 2.0 * width);
     along += along < 0.0 ? 2.0 * width : 0.0;
     return low + (along <= width ? along : 2.0 * width - along);
 }
 
-/// The turn of one frame, `times` times, by repeated squaring.
+/// The rotation of `times` frames, from the rotation of one, by repeated squaring.
 glm::dquat repeated_turn(const glm::vec3& spin, size_t times)
 {
     glm::dquat turn = glm::normalize(glm::dquat{1.0, spin.x, spin.y, spin.z});

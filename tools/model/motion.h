@@ -1,4 +1,4 @@
-// How the instances of a scene move: a description from which the state of any frame follows.
+// The motion of a scene's instances, as a description that gives the state of any frame.
 #pragma once
 
 #include <occlude/core/aabb.h>
@@ -13,15 +13,15 @@
 
 namespace occlude::tools {
 
-/// Where an instance is in one frame of a script.
+/// The place of an instance in one frame of a script.
 struct MotionKey {
     uint32_t frame = 0;
     glm::vec3 position{0.0f}; ///< of its origin, world space
     glm::quat rotation{1.0f, 0.0f, 0.0f,
-                       0.0f}; ///< about its origin, from how it stands in the scene
+                       0.0f}; ///< rotation about its origin, relative to its placement in the scene
 };
 
-/// What one instance does, counted in frames from its placement in the scene at frame 0.
+/// The motion of one instance, counted in frames from its placement in the scene at frame 0.
 struct InstanceMotion {
     glm::vec3 velocity{0.0f}; ///< of its origin: world units per frame
     /// Turns about its origin: the axis, as long as the tangent of half the angle per frame.
@@ -29,9 +29,9 @@ struct InstanceMotion {
     /// It exists in the first `present` frames of every `period`; period 0: always.
     uint32_t period = 0;
     uint32_t present = 0;
-    uint32_t phase = 0; ///< how much of a period is over at frame 0
-    /// Instead of flying: it goes from key to key, evenly and on the shortest way, and stands still
-    /// before the first and after the last. Frames ascend.
+    uint32_t phase = 0; ///< how much of a period has passed at frame 0
+    /// Instead of flying, it moves from key to key, at constant speed and the shortest way, and
+    /// stands still before the first and after the last. Frames ascend.
     std::vector<MotionKey> keys;
     /// It exists from the first to the last of these frames only.
     uint32_t first_frame = 0;
@@ -52,14 +52,14 @@ struct Motion {
     bool empty() const { return instances.empty(); }
 };
 
-/// Where an instance is in a frame, whether it exists or not: at frame 0 exactly `world_from_mesh`
-/// unless it has keys.
-/// From sums, products, square roots and exact remainders only, so the same on every machine (but
-/// for turns between keys, which need sines).
+/// The placement of an instance in a frame, whether it exists or not: at frame 0 exactly
+/// `world_from_mesh` unless it has keys.
+/// Computed from sums, products, square roots and exact remainders only, and so the same on every
+/// machine (except for rotations between keys, which need sines).
 glm::mat4 moved(const InstanceMotion& motion, const Aabb& box, const glm::mat4& world_from_mesh,
                 size_t frame);
 
-/// Whether an instance exists in a frame.
+/// True if an instance exists in a frame.
 bool exists(const InstanceMotion& motion, size_t frame);
 
 } // namespace occlude::tools

@@ -18,11 +18,11 @@ namespace {
 struct ObjectSize {
     uint32_t instance = 0;
     uint64_t triangles = 0;
-    float reach = 0.0f; ///< of its box, as a share of the scene's
-    float fill = 1.0f;  ///< of its mesh's box
+    float reach = 0.0f; ///< size of its box, as a share of the scene's
+    float fill = 1.0f;  ///< volume of its mesh's box
 };
 
-/// What a scene's objects are measured against.
+/// The quantities that a scene's objects are compared with.
 struct Sizes {
     std::vector<ObjectSize> objects;
     uint64_t triangles = 0;
@@ -66,7 +66,7 @@ std::string name_of(const SceneModel& model, const ObjectSize& object)
     return instance.name.empty() && !mesh.empty() ? mesh : object_name(model, object.instance);
 }
 
-/// An advice about objects, the first of which are the worst.
+/// Makes an advice about objects, of which the first are the worst.
 Advice about(const SceneModel& model, std::string kind, std::span<const ObjectSize> objects)
 {
     constexpr size_t kMostNames = 10;

@@ -7,8 +7,8 @@
 
 namespace occlude::tools {
 
-// The space in which an instance turns and bounces: the box of the origins and its reach from
-// there.
+// The space in which an instance rotates and bounces: the box of the origins, extended by the reach
+// of the instance from its origin.
 static Aabb moving_bounds(const SceneModel& model, const Instance& instance,
                           const InstanceMotion& motion)
 {
@@ -83,7 +83,7 @@ CullScene make_cull_scene(const SceneModel& model)
     for (uint32_t i = 0; i < model.instances.size(); ++i) {
         const std::vector<ItemDesc> items = item_descriptions(model, i);
         for (uint32_t part = 0; part < items.size(); ++part) {
-            // A fresh scene gives out item ids in the order of the items added.
+            // A new scene assigns item ids in the order in which items are added.
             result.items.push_back({i, part});
         }
         result.objects.push_back(result.scene.add(model.instances[i].world_from_mesh, items));

@@ -1,4 +1,4 @@
-// A scene with its triangles, as files and generators make it and renderers draw it.
+// A scene with its triangles: made by files and generators, drawn by renderers.
 #pragma once
 
 #include "model/motion.h"
@@ -19,7 +19,7 @@
 
 namespace occlude::tools {
 
-/// A run of a mesh's index buffer: what one item draws.
+/// A run of a mesh's index buffer that one item draws.
 struct MeshPart {
     uint32_t first_index = 0;
     uint32_t index_count = 0;                ///< three per triangle
@@ -43,9 +43,9 @@ struct Instance {
     uint32_t mesh = 0;
     glm::mat4 world_from_mesh{1.0f};
     glm::vec3 color{0.7f}; ///< linear base colour
-    float opacity = 1.0f;  ///< below 1: translucent, blended over what is behind
-    /// Its material lets something through though it is drawn with full opacity: it is drawn like a
-    /// translucent one, and hides nothing.
+    float opacity = 1.0f;  ///< below 1: translucent, blended over the things behind
+    /// Its material lets something through although it is drawn with full opacity: it is drawn like
+    /// a translucent one and hides nothing.
     bool see_through = false;
 
     bool translucent() const { return see_through || opacity < 1.0f; }
@@ -66,26 +66,26 @@ struct SceneModel {
     std::vector<NamedPath> paths;
     /// How the instances move from frame to frame of a path; empty if they stand still.
     Motion motion;
-    /// The point of the file that lies at (0, 0, 0) here: world = file - origin. Not zero where the
-    /// file's scene lies so far from its origin that single precision would bend it.
+    /// The point of the file that lies at (0, 0, 0) here: world = file - origin. It is not zero if
+    /// the file's scene lies so far from its origin that single precision would distort it.
     glm::dvec3 origin{0.0};
-    /// What the loader says of the file, one sentence each; empty for generated scenes.
+    /// The loader's notes on the file, one sentence each; empty for generated scenes.
     std::vector<std::string> load_notes;
-    /// What the file holds and the scene does not, one sentence each: losses.
+    /// Losses: what the file has and the scene leaves out, one sentence each.
     std::vector<std::string> load_losses;
-    /// Triangles of all instances in the file, those that were left out among them; 0: no file.
+    /// Triangles of all instances in the file, including those left out; 0: there is no file.
     uint64_t file_triangles = 0;
-    /// Triangles of all instances before meshes were cut into items; load_scene() notes them.
+    /// Triangles of all instances before meshes were cut into items; set by load_scene().
     uint64_t uncut_triangles = 0;
 
-    /// What one item draws.
+    /// The instance and the part that one item draws.
     struct Item {
         uint32_t instance = 0;
         uint32_t part = 0;
     };
 };
 
-/// The box of an instance where its transform has it, world space.
+/// The box of an instance under its transform, in world space.
 Aabb world_box(const SceneModel& model, const Instance& instance);
 
 /// The name of an instance in messages; "object 7" if it has none.
@@ -97,8 +97,8 @@ Aabb world_bounds(const SceneModel& model);
 /// Triangles of all instances.
 uint64_t drawn_triangles(const SceneModel& model);
 
-/// The scene as culling sees it, and what each of its items draws (indexed by ItemId). Object i of
-/// `objects` is instance i.
+/// The scene in the form that culling needs, and what each of its items draws (indexed by ItemId).
+/// Object i of `objects` is instance i.
 struct CullScene {
     Scene scene;
     std::vector<ObjectId> objects;

@@ -87,7 +87,8 @@ static Result<glm::vec3> parse_up(std::string_view text)
         up[axis[0] - 'x'] = text[0] == '-' ? -1.0f : 1.0f;
         return up;
     }
-    return bad_option("--up", text, "an axis; write x, y or z, with a minus if it points down");
+    return bad_option("--up", text,
+                      "an axis; write x, y or z, with a minus sign if it points down");
 }
 
 Result<SceneOptions> parse_file_options(const FileOptions& file, SceneOptions options)

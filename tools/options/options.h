@@ -1,4 +1,4 @@
-// What the user asked for, as plain data. cli.h fills it, the commands read it.
+// The requests of the user as plain data. cli.h fills it, the commands read it.
 #pragma once
 
 #include "model/scene_options.h"
@@ -18,7 +18,7 @@
 
 namespace occlude::tools {
 
-/// How a file is read; texts that are empty leave it to the file.
+/// How to read a file; empty texts leave the choice to the file.
 struct FileOptions {
     std::string origin; ///< "X,Y,Z"
     std::string unit;   ///< "m", "cm", "mm", "in", "ft", or units per metre
@@ -30,7 +30,7 @@ struct FileOptions {
 /// Which scene, how it is organised and who draws it: the same for every command.
 struct StageOptions {
     std::string hierarchy = "bvh";     ///< hierarchies.h; bench and verify take several
-    std::optional<std::string> device; ///< empty: gl, or cpu where there is no OpenGL
+    std::optional<std::string> device; ///< empty: gl, or cpu if there is no OpenGL
     std::string test = "queries";
     std::string path = "auto";
     size_t frames = 100;
@@ -42,7 +42,7 @@ struct StageOptions {
     std::optional<std::string> cache_folder; ///< empty: default_cache_folder()
     std::vector<std::string> sets;           ///< ALGORITHM.OPTION=VALUE, TREE.OPTION=VALUE
     FileOptions file;                        ///< for scenes that are files
-    /// What a file holds and the scene does not is an error, and so are coincident surfaces.
+    /// Anything in a file that the scene leaves out is an error, and so are coincident surfaces.
     bool strict = false;
 };
 
@@ -55,7 +55,7 @@ struct CompareOptions {
     size_t repeat = 1;
     bool verify = false;
     bool nothing_hidden_is_fine = false; ///< verify: frames in which nothing is hidden are expected
-    std::string json;                    ///< file names; empty: not asked for
+    std::string json;                    ///< file names; empty: not requested
     std::string csv;
     std::string html;
     std::string record; ///< bench only
@@ -64,7 +64,7 @@ struct CompareOptions {
 struct ReplayOptions {
     std::string file;
     std::string algorithms = "all";
-    std::string json; ///< a file name; empty: not asked for
+    std::string json; ///< a file name; empty: not requested
 };
 
 /// For bench --suite.
@@ -74,10 +74,10 @@ struct SuiteOptions {
     std::string only; ///< entries between commas; empty: all
     std::optional<std::string> device;
     std::optional<std::string> cache_folder;
-    std::string json; ///< file names; empty: not asked for
+    std::string json; ///< file names; empty: not requested
     std::string csv;
     std::string html;
-    bool add = false;   ///< keep what `json` holds of entries that are not measured
+    bool add = false;   ///< keep the entries in `json` that are not measured
     std::string from;   ///< a file of results to report on, instead of measuring
     std::string report; ///< Markdown beside published figures; empty: kDefaultReport
 };
@@ -94,23 +94,23 @@ struct RenderOptions {
     std::string camera = "path";
 };
 
-/// For the interactive viewer. Of the stage's options, the size is that of the window.
+/// For the interactive viewer. The size in the stage's options is the size of the window.
 struct ViewOptions {
     StageOptions stage;
     std::string scene; ///< empty: none yet
     std::string algorithm;
     bool headless = false;
-    std::optional<size_t> frames; ///< ends after this many
+    std::optional<size_t> frames; ///< ends after this many frames
     std::optional<glm::ivec2> size;
-    std::optional<float> scale; ///< of panels
-    std::string screenshot;     ///< of the last frame; empty: none
+    std::optional<float> scale; ///< scale of panels
+    std::string screenshot;     ///< picture of the last frame; empty: none
     std::string script;
 };
 
 struct InfoOptions {
     StageOptions stage;
     std::string scene;
-    std::string json; ///< a file name; empty: not asked for
+    std::string json; ///< a file name; empty: not requested
 };
 
 struct GenerateOptions {
@@ -151,16 +151,16 @@ struct SetOption {
 };
 Result<SetOption> parse_set(std::string_view text);
 
-/// The settings of `sets` for an algorithm, or for a hierarchy by its tree_set_name(). What is no
-/// setting is left out: choose_contenders() says so.
+/// The settings in `sets` for an algorithm, or for a hierarchy by its tree_set_name(). Ignores
+/// texts that are not settings, because choose_contenders() reports them.
 std::vector<OptionValue> settings_of(std::string_view name, std::span<const std::string> sets);
 
-/// "lazy_grid:update=busy": one of a list, with options of its own.
+/// "lazy_grid:update=busy": an entry of a list, with its own options.
 struct NamedEntry {
     std::string name;
     std::vector<OptionValue> options;
 };
-/// Nothing if what follows the name is not OPTION=VALUE between colons.
+/// Nothing if the name is not followed by OPTION=VALUE between colons.
 std::optional<NamedEntry> parse_entry(std::string_view text);
 
 /// The parts between commas; empty parts are kept.

@@ -9,7 +9,7 @@ namespace occlude::tools {
 
 namespace {
 
-/// A SceneModel as CpuFastDevice asks for it: each part of a mesh prepared once.
+/// A SceneModel in the form that CpuFastDevice needs: each part of a mesh is prepared once.
 class OccluderScene final : public CpuFastScene {
 public:
     OccluderScene(const SceneModel& model, std::span<const SceneModel::Item> items)
@@ -83,7 +83,7 @@ public:
     QueryDevice& device() override { return device_; }
     Result<bool> use_test_method(TestMethod method) override
     {
-        // The program's default is not a wish.
+        // The program's default does not count as a request.
         return device_.use_method(method == TestMethod::queries ? TestMethod::automatic : method);
     }
     Result<bool> resize(glm::ivec2 size, int samples) override

@@ -1,5 +1,5 @@
-// The program's renderer for --device cpu_fast: another renderer draws, and tests are answered on
-// the CPU.
+// The program's renderer for --device cpu_fast: another renderer draws, and the CPU answers the
+// tests.
 #pragma once
 
 #include "render/scene_renderer.h"
@@ -11,8 +11,8 @@
 
 namespace occlude::tools {
 
-/// `renderer` draws `items` of `model`, which outlive it, as it is; its device() is a CpuFastDevice
-/// around that of `renderer`. Prepares the meshes of all opaque items.
+/// `renderer` draws `items` of `model`, which must outlive it, unchanged; its device() is a
+/// CpuFastDevice around the device of `renderer`. Prepares the meshes of all opaque items.
 std::unique_ptr<SceneRenderer> make_cpu_fast_renderer(std::unique_ptr<SceneRenderer> renderer,
                                                       const SceneModel& model,
                                                       std::span<const SceneModel::Item> items,

@@ -14,7 +14,7 @@ namespace {
 const glm::vec3 kTowardLight = glm::normalize(glm::vec3{0.4f, 0.8f, 0.45f});
 constexpr float kAmbient = 0.35f;
 constexpr glm::vec3 kBackground{0.76f, 0.80f, 0.85f};
-// Lines along edges of the scene must not flicker: they win against depth within this distance.
+// Lines along edges of the scene must not flicker: within this distance they win against depth.
 constexpr double kLineBias = 0x1p-20;
 
 uint32_t packed(const glm::vec3& color)
@@ -43,7 +43,7 @@ bool good_size(glm::ivec2 size)
     return size.x > 0 && size.y > 0 && size.x <= cpu::kMaxSide && size.y <= cpu::kMaxSide;
 }
 
-// The first item that draws something that is not there, as a sentence, or nothing.
+// The first item that draws something that does not exist, as a sentence; nothing if all are valid.
 std::string first_broken_item(const SceneModel& model, std::span<const SceneModel::Item> items)
 {
     for (size_t i = 0; i < items.size(); ++i) {
@@ -163,7 +163,8 @@ uint32_t CpuRenderer::shaded(const CpuDevice::Owner& owner) const
         return packed(kBackground);
     }
     const std::array<glm::vec3, 3> corners = scene_.triangle(owner.item, owner.triangle);
-    // Squares of squares of large edges would not fit a float. A power of two rounds nothing.
+    // Squares of squares of large edges would not fit a float. Scaling by a power of two rounds
+    // nothing.
     const glm::vec3 first = corners[1] - corners[0];
     const glm::vec3 second = corners[2] - corners[0];
     const glm::vec3 sizes = glm::max(glm::abs(first), glm::abs(second));
@@ -240,7 +241,7 @@ void CpuRenderer::set_item_colors(std::span<const glm::vec4> colors)
     item_colors_.assign(colors.begin(), colors.end());
 }
 
-// One pixel per column or row, whichever the line crosses more of.
+// One pixel per column or per row, whichever the line crosses more of.
 void CpuRenderer::draw_line(glm::dvec4 a, glm::dvec4 b, glm::vec4 color, bool on_top)
 {
     const glm::ivec2 size = device_.size_px();

@@ -1,5 +1,5 @@
 // The program's renderer without a GPU: the CPU device draws, and the image is shaded afterwards
-// from the triangle that each pixel shows. Slow, exact, the same on every machine.
+// from the triangle that each pixel shows. Slow, exact, and the same on every machine.
 #pragma once
 
 #include "render/scene_renderer.h"
@@ -12,7 +12,8 @@
 
 namespace occlude::tools {
 
-/// A SceneModel as the CPU device asks for it. Copies the transforms, so that they can change.
+/// A SceneModel in the form that the CPU device needs. Copies the transforms, so that they can
+/// change.
 class CpuModelScene final : public CpuScene {
 public:
     /// Precondition: every item names an instance and a part that exist.
@@ -20,9 +21,9 @@ public:
 
     CpuItem item(ItemId item) const override;
 
-    /// Takes over as many transforms as there are; indexed by instance.
+    /// Takes over new transforms, one per instance and indexed by it.
     void set_transforms(std::span<const glm::mat4> world_from_mesh);
-    /// Takes over what as many items draw.
+    /// Takes over what each item draws.
     void set_items(std::span<const SceneModel::Item> items);
 
     /// Corners of a triangle of an item, world space. Precondition: it exists.
@@ -39,8 +40,8 @@ private:
 
 /// Lambert shading on the geometric normal, both sides lit alike. Deviation from SceneRenderer:
 /// translucent fragments are blended in draw order when the image is captured, rounding to 8 bits
-/// each time;
-/// of equal depths, render_ids and frames show the smaller ItemId, whatever the order of draws.
+/// each time. Of equal depths, render_ids and frames show the smaller ItemId, whatever the order of
+/// draws.
 class CpuRenderer final : public SceneRenderer {
 public:
     CpuRenderer(const SceneModel& model, std::span<const SceneModel::Item> items, glm::ivec2 size);
@@ -56,12 +57,12 @@ public:
     void finish() override {}
     void warm_up() override {}
     void render(const View& view, std::span<const ItemId> items) override;
-    /// Shades the whole target: about as slow as drawing it. Its size is the last frame's view's;
-    /// before the first frame, the background in the renderer's size.
+    /// Shades the whole target, which takes about as long as drawing it. Its size is the size of
+    /// the last frame's view; before the first frame, it is the background in the renderer's size.
     Capture capture() override;
     std::vector<uint32_t> render_ids(const View& view, std::span<const ItemId> items) override;
     void set_item_colors(std::span<const glm::vec4> colors) override;
-    /// Lines are one pixel wide, blended by the alpha of `color`, and gone with the next frame.
+    /// Lines are one pixel wide, blended by the alpha of `color`, and vanish with the next frame.
     void draw_lines(const View& view, std::span<const glm::vec3> points, glm::vec4 color,
                     bool on_top) override;
     void update_transforms(std::span<const glm::mat4> world_from_mesh) override;
@@ -79,8 +80,8 @@ private:
 
     CpuModelScene scene_;
     CpuDevice device_;
-    std::optional<CpuDevice> id_device_; ///< made when first needed: render_ids must not touch the
-                                         ///< last frame
+    std::optional<CpuDevice> id_device_; ///< made when first needed, because render_ids must not
+                                         ///< touch the last frame
     glm::ivec2 size_px_;
     std::vector<glm::vec4> item_colors_;
     std::vector<LineFragment> lines_;

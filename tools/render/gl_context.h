@@ -1,4 +1,4 @@
-// The OpenGL context that a renderer draws in: one of its own, or that of a window.
+// The OpenGL context that a renderer draws in: its own, or the context of a window.
 #pragma once
 
 #include <occlude/core/result.h>

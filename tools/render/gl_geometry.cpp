@@ -232,7 +232,8 @@ void GlGeometry::draw(std::span<const ItemId> items, Rows rows)
                                 static_cast<GLsizei>(commands_.size()), 0);
 }
 
-// OpenGL 3.3 has no base instance: the rows' attributes are constants that are set between draws.
+// OpenGL 3.3 has no base instance, so the attributes of rows are constants that are set between
+// draws.
 void GlGeometry::draw_one_by_one(const RowBuffer& rows)
 {
     uint32_t current = 0xffffffffu;

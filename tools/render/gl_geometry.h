@@ -1,4 +1,4 @@
-// All triangles of a SceneModel in one vertex and one index buffer, and drawing runs of its items.
+// All triangles of a SceneModel in one vertex and one index buffer; draws runs of its items.
 #pragma once
 
 #include "model/scene_model.h"
@@ -16,23 +16,23 @@
 
 namespace occlude::tools {
 
-/// What GlStreamBuffer::write() returns; throws std::bad_alloc if the driver has no memory.
+/// The result of GlStreamBuffer::write(); throws std::bad_alloc if the driver has no memory.
 size_t write_or_throw(GlStreamBuffer& buffer, std::span<const std::byte> bytes);
 
 /// Vertex attributes: 0 position, 1 normal, both in the space of the mesh; per drawn instance 2 to
 /// 4 the rows of world_from_mesh, 5 colour and opacity, 6 id.
 class GlGeometry {
 public:
-    /// Uploads everything. `gl_version` (10 * major + minor) decides how items are drawn: one
-    /// multi-draw from 4.3 on, one draw per run of items before.
+    /// Uploads everything. `gl_version` (10 * major + minor) decides how items are drawn: by one
+    /// multi-draw from 4.3 on, by one draw per run of items otherwise.
     GlGeometry(const SceneModel& model, std::span<const SceneModel::Item> items, int gl_version);
 
-    /// What the attributes 2 to 6 are read from. `item` gives each item its own colour and its own
-    /// index as id, but can merge no draws.
+    /// The source of attributes 2 to 6. `item` gives each item its own colour, and its own index as
+    /// id, but cannot merge draws.
     enum class Rows : uint8_t { instance, item };
 
     /// Draws `items` in this order with the current program: one command for each run of items of
-    /// one instance whose triangles follow each other. No allocation once buffers have grown.
+    /// one instance whose triangles follow one another. Allocates nothing once buffers have grown.
     void draw(std::span<const ItemId> items, Rows rows);
 
     void update_transforms(std::span<const glm::mat4> world_from_mesh);
@@ -40,12 +40,12 @@ public:
     /// What each item draws, by ItemId. Precondition: `model` is the one that was uploaded.
     void update_items(const SceneModel& model, std::span<const SceneModel::Item> items);
 
-    /// One colour per item for draws with Rows::item; empty gives items the colour of their
+    /// Sets one colour per item for draws with Rows::item; empty gives items the colour of their
     /// instance.
     void set_item_colors(std::span<const glm::vec4> colors);
 
 private:
-    // What the vertex shader reads of an instance or an item.
+    // The data of an instance or an item that the vertex shader reads.
     struct Row {
         std::array<glm::vec4, 3> world_from_mesh; ///< affine, row by row
         glm::vec4 color{0.0f};                    ///< and opacity
@@ -70,7 +70,7 @@ private:
         std::vector<Row> rows;
     };
 
-    // Where a mesh begins in the buffers.
+    // The first vertex and index of a mesh in the buffers.
     struct MeshPlace {
         uint32_t index = 0;
         int32_t vertex = 0;

@@ -2,7 +2,7 @@
 
 namespace occlude::tools {
 
-static constexpr size_t kFirstPoints = 4096; // room for as many before the buffer grows
+static constexpr size_t kFirstPoints = 4096; // initial capacity, in vertices
 
 GlLines::GlLines()
     : vertices_(GlVertexArray::make())

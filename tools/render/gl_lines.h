@@ -15,8 +15,8 @@ public:
     /// Needs a current context.
     GlLines();
 
-    /// Draws a line between points 0 and 1, 2 and 3, and so on, with `program` bound, its camera
-    /// set and depth tests as the caller wants them. Binds a vertex array.
+    /// Draws a line between points 0 and 1, 2 and 3, and so on. Precondition: `program` is bound,
+    /// its camera is set, and depth tests are as the caller wants them. Binds a vertex array.
     void draw(const GlProgram& program, std::span<const glm::vec3> points, const glm::vec4& color);
 
 private:

@@ -16,8 +16,8 @@ struct GlPrograms {
     GlProgram lines;
 };
 
-/// The programs for a scene whose upward direction is `up`, from where its light comes. The errors
-/// of the shader compiler name the program. Needs a current context.
+/// The programs for a scene whose upward direction is `up`, which is where its light comes from.
+/// Errors of the shader compiler name the program. Needs a current context.
 Result<GlPrograms> make_programs(const glm::vec3& up);
 
 /// Binds `program` and sets its camera.

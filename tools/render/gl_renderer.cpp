@@ -59,7 +59,8 @@ private:
 
     void set_view(const View& view);
 
-    std::shared_ptr<GlContext> context_; // first: everything below dies in it
+    std::shared_ptr<GlContext> context_; // first, so that everything below is destroyed while it
+                                         // lives
     const SceneModel& model_;
     int gl_version_ = 0;
     size_t item_count_ = 0;
@@ -168,7 +169,7 @@ void GlRenderer::finish()
     glFinish();
 }
 
-// The camera of what is drawn next, with the depth convention of its view. The target is bound.
+// Sets the camera of the next draws, with the depth convention of its view. The target is bound.
 void GlRenderer::set_view(const View& view)
 {
     view_ = view;
@@ -195,7 +196,7 @@ void GlRenderer::begin_frame(const View& view)
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
-// What a pass does not set for itself in draw().
+// Sets the state that a pass does not set in draw().
 void GlRenderer::restore_state()
 {
     glEnable(GL_DEPTH_TEST);
@@ -207,7 +208,7 @@ void GlRenderer::restore_state()
     glDisable(GL_CULL_FACE);
 }
 
-// Runs of opaque and of translucent items, one after the other.
+// Draws runs of opaque and of translucent items, one after the other.
 void GlRenderer::draw(std::span<const ItemId> items, DrawPass pass)
 {
     if (translucent_.empty()) {
@@ -228,7 +229,7 @@ void GlRenderer::draw(std::span<const ItemId> items, DrawPass pass)
     }
 }
 
-// They write no depth, so that there is nothing to draw but in the shade pass.
+// They write no depth, so that only the shade pass draws them.
 void GlRenderer::draw_translucent(std::span<const ItemId> items, DrawPass pass)
 {
     if (pass != DrawPass::shade) {
@@ -274,7 +275,7 @@ void GlRenderer::warm_up_with(ItemId item)
     }
 }
 
-// Drivers compile a shader per combination of state: every pass, inside and outside of a query.
+// Drivers compile a shader per combination of state: every pass, inside and outside a query.
 void GlRenderer::warm_up()
 {
     context_->make_current();

@@ -16,25 +16,26 @@
 namespace occlude::tools {
 
 struct GlRendererOptions {
-    /// Use nothing newer than this version of OpenGL (10 * major + minor): 33 takes the oldest
-    /// path.
+    /// Uses no feature newer than this version of OpenGL (10 * major + minor): 33 takes the oldest
+    /// code path.
     int max_gl_version = 99;
-    /// The context to draw in, shared with whoever shows the pictures; null: one without a window.
+    /// The context to draw in, shared with the code that shows the pictures; null: its own, without
+    /// a window.
     std::shared_ptr<GlContext> context = {};
 };
 
-/// What a renderer with OpenGL is besides a SceneRenderer: a source of pictures for others in its
+/// What an OpenGL renderer offers in addition to a SceneRenderer: pictures for others in its
 /// context.
 class GlPictureSource {
 public:
     virtual ~GlPictureSource() = default;
-    /// Copies the colours of the last frame into a framebuffer object of the same size. Binds
-    /// framebuffers, and nothing else changes.
+    /// Copies the colours of the last frame into a framebuffer object of the same size. Changes
+    /// framebuffer bindings and no other state.
     virtual void copy_color_to(unsigned framebuffer) = 0;
 };
 
 /// make_gl_renderer() with options. The renderer belongs to the thread that made it. Several may
-/// live side by side, but the frames of their devices must not interleave.
+/// exist at once, but the frames of their devices must not interleave.
 Result<std::unique_ptr<SceneRenderer>> make_gl_renderer(const SceneModel& model,
                                                         std::span<const SceneModel::Item> items,
                                                         glm::ivec2 size, int samples,

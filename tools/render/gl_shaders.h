@@ -1,5 +1,5 @@
-// The renderer's shaders. Every pass computes positions with the same text, and `invariant`, so
-// that depth is bit-identical between passes: relative to the camera first, as box tests do.
+// The renderer's shaders. Every pass computes positions by the same text, with `invariant`, so that
+// depth is bit-identical between passes: relative to the camera first, as box tests do.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@ namespace occlude::tools::shaders {
 
 /// Ends inside main(), which the passes continue.
 ///
-/// Vertices are put on the grid of 1/256 pixel to which rasterisers snap them. A triangle seen
-/// edge-on covers samples only because it is snapped, and llvmpipe takes depths from the plane
-/// through the vertices as they came: steep, and extrapolated, so that a sample ended up far nearer
-/// than the triangle, and than every box around it. On the grid both planes are the same.
+/// Vertices are snapped to the grid of 1/256 pixel that rasterisers use. A triangle seen edge-on
+/// covers samples only because it is snapped. llvmpipe takes depths from the plane through the
+/// unsnapped vertices, which is steep and extrapolated: a sample ended up far nearer than the
+/// triangle and every box around it. On the grid both planes are the same.
 inline const std::string kPosition = R"(#version 330 core
 layout(location = 0) in vec3 position_mesh;
 layout(location = 1) in vec3 normal_mesh;

@@ -30,7 +30,7 @@ bool GlTarget::make_attachments(Attachments& made, GLenum color_format, glm::ive
                                          size.y);
     };
     allocate(made.color, color_format);
-    // Float depth: reading it back is six times cheaper than 24-bit depth with llvmpipe.
+    // Float depth, because reading it back is six times cheaper than 24-bit depth with llvmpipe.
     allocate(made.depth, GL_DEPTH_COMPONENT32F);
     glBindRenderbuffer(GL_RENDERBUFFER, 0);
     made.framebuffer = GlFramebuffer::make();
@@ -42,7 +42,7 @@ bool GlTarget::make_attachments(Attachments& made, GLenum color_format, glm::ive
     return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
-// Drivers may give more samples than were asked for: llvmpipe gives four for two.
+// Drivers may give more samples than requested: llvmpipe gives four for two.
 static int given_samples(GLuint framebuffer)
 {
     GLint samples = 0;
@@ -122,7 +122,7 @@ bool GlTarget::make_sample_reader()
     return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
-// One sample of every pixel, from id_samples_ to resolved_.
+// Copies one sample of every pixel from id_samples_ to resolved_.
 void GlTarget::draw_sample(int sample) const
 {
     glBindFramebuffer(GL_FRAMEBUFFER, resolved_.framebuffer.name());
@@ -186,7 +186,7 @@ void GlTarget::copy_color_to(GLuint framebuffer) const
 {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, main_.framebuffer.name());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-    glDisable(GL_SCISSOR_TEST); // a blit obeys it
+    glDisable(GL_SCISSOR_TEST); // a blit obeys the scissor test
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glBlitFramebuffer(0, 0, size_.x, size_.y, 0, 0, size_.x, size_.y, GL_COLOR_BUFFER_BIT,
                       GL_NEAREST);

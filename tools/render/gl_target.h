@@ -13,8 +13,8 @@ namespace occlude::tools {
 
 class GlTarget {
 public:
-    /// Makes a new target. Fails, and leaves the old one, if the driver does not have the size
-    /// or the number of samples (1 is no multisampling).
+    /// Makes a new target. Fails and keeps the old one if the driver does not support the size or
+    /// the number of samples (1: no multisampling).
     Result<bool> resize(glm::ivec2 size, int samples);
 
     glm::ivec2 size() const { return size_; }
@@ -31,7 +31,7 @@ public:
     /// array and texture bindings undefined.
     std::vector<uint32_t> read_ids() const;
 
-    /// Resolved colour and depth. Changes the state that GlDepthReader::read names.
+    /// Resolved colour and depth. Changes the state that GlDepthReader::read documents.
     Capture capture(GlDepthReader& reader) const;
 
     /// Copies the resolved colours to a framebuffer of the same size and leaves the target bound.
@@ -54,7 +54,8 @@ private:
     Attachments resolved_; ///< multisampled targets only
     Attachments ids_;      ///< made when needed
 
-    // To read the samples of ids_ one by one: a texture of the same samples, and who draws one.
+    // Reads the samples of ids_ one by one: a texture of the same samples, and a program that draws
+    // one.
     GlTexture id_samples_;
     GlFramebuffer id_copy_;
     GlProgram sample_program_;

@@ -18,11 +18,13 @@ Result<bool> write_png(const std::filesystem::path& path, const Image& image);
 /// The bytes of such a PNG. Precondition: the image has pixels.
 std::string encode_png(const Image& image);
 
-/// The image made smaller by the least whole factor that brings it to at most `max_width` pixels;
-/// each pixel is the mean of those that it covers. What is left of a row or column is cut off.
+/// The image reduced by the smallest whole factor that brings it to at most `max_width` pixels;
+/// each pixel is the mean of the pixels that it covers. Incomplete blocks of a row or column are
+/// dropped.
 Image shrunk(const Image& image, int max_width);
 
-/// Pixels that differ in any channel; all of them (of the larger image) if the sizes differ.
+/// The number of pixels that differ in any channel; all pixels of the larger image if the sizes
+/// differ.
 uint64_t count_differences(const Image& a, const Image& b);
 
 } // namespace occlude::tools

@@ -1,7 +1,7 @@
-// The colours that mean something in pictures: the same in `render`, the viewer, reports and docs.
+// The colours with a meaning in pictures: the same in `render`, the viewer, reports and docs.
 //
-// They are those of M. Okabe and K. Ito, "Color Universal Design", 2008, which people with any
-// kind of colour blindness tell apart, and greys.
+// The colours of M. Okabe and K. Ito, "Color Universal Design", 2008, which people with any kind of
+// colour blindness can tell apart, and greys.
 #pragma once
 
 #include <occlude/cull/parts/decision_log.h>
@@ -15,7 +15,7 @@
 
 namespace occlude::tools {
 
-/// A colour as displays show it, and what texts call it.
+/// A colour as displays show it, and its name in texts.
 struct NamedColor {
     std::string_view name;
     glm::vec4 color{0.0f};
@@ -33,7 +33,7 @@ inline constexpr NamedColor kLightGrey{"light grey", {0.78f, 0.78f, 0.78f, 1.0f}
 inline constexpr NamedColor kDarkGrey{"dark grey", {0.30f, 0.30f, 0.32f, 1.0f}};
 inline constexpr NamedColor kWhite{"white", {1.0f, 1.0f, 1.0f, 1.0f}};
 
-/// What is selected, and what hides it.
+/// The selected thing, and the thing that hides it.
 inline constexpr NamedColor kSelected = kWhite;
 inline constexpr NamedColor kOccluder = kBlue;
 } // namespace palette
@@ -67,8 +67,8 @@ constexpr const StateColor& state_color(Decision decision)
     return kStateColors[static_cast<size_t>(decision)];
 }
 
-/// The linear colour that renderers, which shade in linear light and take the square root, show as
-/// `display` where a surface faces the light.
+/// The linear colour that a renderer must use so that `display` shows where a surface faces the
+/// light. Renderers shade in linear light and take the square root.
 constexpr glm::vec4 linear_color(const glm::vec4& display)
 {
     return {display.x * display.x, display.y * display.y, display.z * display.z, display.w};

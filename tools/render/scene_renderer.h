@@ -24,7 +24,7 @@ struct Image {
     std::vector<uint32_t> pixels; ///< 0xAABBGGRR
 };
 
-/// What the target holds after a frame: enough to compare two frames exactly.
+/// The content of the target after a frame: enough to compare two frames exactly.
 struct Capture {
     Image color;
     std::vector<float> depth; ///< window depth, one value per pixel (MSAA: of sample 0)
@@ -41,7 +41,8 @@ public:
     /// The device whose draws this renderer executes. Lives as long as the renderer.
     virtual QueryDevice& device() = 0;
 
-    /// Makes `method` the device's default. Fails, and says which there are, if it has none such.
+    /// Makes `method` the device's default. Fails and lists the available methods if it has none
+    /// such.
     virtual Result<bool> use_test_method(TestMethod method) = 0;
 
     /// Changes the size of the target. Outside frames only.
@@ -54,10 +55,10 @@ public:
     virtual void warm_up() = 0;
 
     /// Draws `items` in exactly this order without tests, as one frame. Translucent ones are
-    /// blended over what was drawn before them.
+    /// blended over everything drawn before them.
     virtual void render(const View& view, std::span<const ItemId> items) = 0;
 
-    /// The target after the last frame, whoever drew it.
+    /// The target after the last frame, by whatever call it was drawn.
     virtual Capture capture() = 0;
 
     /// The item that owns each sample when `items` are drawn in this order without tests (the
@@ -66,7 +67,8 @@ public:
     /// Empty if the driver refuses the target.
     virtual std::vector<uint32_t> render_ids(const View& view, std::span<const ItemId> items) = 0;
 
-    /// Overrides the base colours, indexed by ItemId (alpha unused); empty: the scene's own.
+    /// Overrides the base colours, indexed by ItemId (alpha unused); empty: the colours of the
+    /// scene.
     virtual void set_item_colors(std::span<const glm::vec4> colors) = 0;
 
     /// Draws world-space line segments (pairs of points) over the last frame, tested against its
@@ -77,18 +79,18 @@ public:
     /// Takes over new transforms after objects moved; indexed by instance.
     virtual void update_transforms(std::span<const glm::mat4> world_from_mesh) = 0;
 
-    /// Takes over what each item draws after ids were given to other objects; as many items as when
-    /// the renderer was made, all of them in its model.
+    /// Takes over what each item draws after ids were reused; as many items as when the renderer
+    /// was made, all of them in its model.
     virtual void update_items(std::span<const SceneModel::Item> items) = 0;
 };
 
-/// A renderer with OpenGL in a surfaceless EGL context (llvmpipe where there is no GPU). `model`
-/// and `items` outlive it.
+/// An OpenGL renderer in a surfaceless EGL context (llvmpipe if there is no GPU). `model` and
+/// `items` must outlive it.
 Result<std::unique_ptr<SceneRenderer>> make_gl_renderer(const SceneModel& model,
                                                         std::span<const SceneModel::Item> items,
                                                         glm::ivec2 size, int samples);
 
-/// A renderer on the CPU: slow, exact, needs no driver.
+/// A renderer on the CPU: slow, exact, and without a driver.
 Result<std::unique_ptr<SceneRenderer>> make_cpu_renderer(const SceneModel& model,
                                                          std::span<const SceneModel::Item> items,
                                                          glm::ivec2 size);

@@ -1,4 +1,4 @@
-// Writing and reading fields in the same order: one function describes both.
+// Writes and reads fields in the same order: one function describes both.
 #pragma once
 
 #include <bit>
@@ -50,7 +50,7 @@ public:
     }
 };
 
-/// Reads until the bytes end or make no sense; then it has failed and leaves values as they are.
+/// Reads until the bytes end or are invalid; after that it has failed and leaves values unchanged.
 class ByteReader {
 public:
     static constexpr bool kReads = true;
@@ -113,7 +113,7 @@ public:
     {
         uint64_t count = 0;
         number(count);
-        // One by one: a wrong count ends at the end of the bytes, not of the memory.
+        // Grows one by one, so that a wrong count ends with the bytes and not with the memory.
         for (uint64_t i = 0; i < count && !failed_; ++i) {
             if (rest_.empty()) {
                 failed_ = true;

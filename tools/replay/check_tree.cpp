@@ -13,10 +13,10 @@ std::string check_items(const RecordedTree& tree)
     std::vector<ItemId> sorted = tree.items;
     std::sort(sorted.begin(), sorted.end());
     if (!sorted.empty() && !sorted.back().valid()) {
-        return "an item has no number";
+        return "an item has an invalid id";
     }
     if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
-        return "an item is there twice";
+        return "an item occurs twice";
     }
     const bool nan = std::any_of(tree.bounds.begin(), tree.bounds.end(),
                                  [](const ItemBounds& item) { return item.box.has_nan(); });
@@ -36,7 +36,7 @@ std::string check_links(const RecordedTree& tree)
         const Node& node = tree.nodes[id];
         const uint64_t items_end = uint64_t{node.first_item} + node.subtree_items;
         if (items_end > tree.items.size() || node.own_items > node.subtree_items) {
-            return fmt::format("node {} has items that are not there", id);
+            return fmt::format("node {} has items that do not exist", id);
         }
         uint64_t next_item = uint64_t{node.first_item} + node.own_items;
         if (node.child_count == 0) {
@@ -47,12 +47,12 @@ std::string check_links(const RecordedTree& tree)
         }
         const uint64_t first = node.first_child.value;
         if (first <= id || first + node.child_count > tree.nodes.size()) {
-            return fmt::format("node {} has children that are not there", id);
+            return fmt::format("node {} has children that do not exist", id);
         }
         for (uint64_t child = first; child < first + node.child_count; ++child) {
             const Node& below = tree.nodes[child];
             if (claimed[child] || below.parent != NodeId{id} || below.first_item != next_item) {
-                return fmt::format("node {} is not where its parent says", child);
+                return fmt::format("node {} is not among the children of its parent", child);
             }
             claimed[child] = true;
             next_item += below.subtree_items;
@@ -63,12 +63,12 @@ std::string check_links(const RecordedTree& tree)
         }
     }
     if (next_child != tree.nodes.size() || tree.nodes[0].subtree_items != tree.items.size()) {
-        return "a node or an item belongs to nobody";
+        return "a node or an item has no parent";
     }
     return {};
 }
 
-/// What builders derive: boxes, sums and leaves.
+/// The values that builders derive: boxes, sums and leaves.
 std::string check_derived(const RecordedTree& tree)
 {
     const Hierarchy derived = Hierarchy::from_arrays(tree.nodes, tree.items, tree.bounds);

@@ -108,9 +108,8 @@ Result<RunRecording> record(const Stage& stage, const std::string& scene,
                             const ProgressCallback& progress)
 {
     if (stage.go_to) {
-        return Error{
-            ErrorCode::unsupported,
-            fmt::format("--record: '{}' moves; recordings hold scenes that stand still", scene)};
+        return Error{ErrorCode::unsupported,
+                     fmt::format("--record: '{}' moves; recordings hold static scenes", scene)};
     }
     RunRecording recording;
     recording.scene = scene;
@@ -176,7 +175,7 @@ Result<ReplayedRun> replay(const RunRecording& recording, const RecordedRun& run
         }
     }
     if (!device.complete()) {
-        replayed.mismatch = "it asked the device less than what was recorded";
+        replayed.mismatch = "it made fewer calls than the recording";
     }
     return replayed;
 }

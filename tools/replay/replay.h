@@ -1,4 +1,4 @@
-// Running a recording again, and making one.
+// Replays a recording, and makes one.
 #pragma once
 
 #include "measure/stage.h"
@@ -11,19 +11,19 @@
 
 namespace occlude::tools {
 
-/// How a run went that was repeated.
+/// The result of a replayed run.
 struct ReplayedRun {
     std::string name;
     std::string tree;
-    size_t frames = 0;        ///< whose decisions were the recorded ones
+    size_t frames = 0;        ///< number of frames with the recorded decisions
     uint64_t items_drawn = 0; ///< over all frames
-    std::string mismatch;     ///< what differed first, as a sentence; empty: nothing did
+    std::string mismatch;     ///< the first difference as a sentence; empty: there was none
 
     bool identical() const { return mismatch.empty(); }
 };
 
-/// Runs one of the recording's runs over what its device answered. Error: this version does not
-/// have the algorithm or an option.
+/// Runs one of the recording's runs with the recorded answers of its device. Error: this version
+/// does not have the algorithm or an option.
 Result<ReplayedRun> replay(const RunRecording& recording, const RecordedRun& run,
                            const ProgressCallback& progress = {});
 
@@ -36,8 +36,8 @@ struct RunToRecord {
     const Hierarchy* tree = nullptr;
 };
 
-/// Walks the path once with each algorithm, on the stage's device, and keeps everything. Error: an
-/// algorithm cannot be made, or the scene moves (recordings hold scenes that stand still).
+/// Walks the path once with each algorithm on the stage's device, and records everything. Error: an
+/// algorithm cannot be made, or the scene moves (recordings hold static scenes).
 Result<RunRecording> record(const Stage& stage, const std::string& scene,
                             std::span<const RunToRecord> runs, std::span<const View> views,
                             const ProgressCallback& progress = {});

@@ -153,7 +153,7 @@ void transfer(Archive& archive, Whole& recording)
     archive.list(recording.views, [&](auto& view) { transfer_view(archive, view); });
 }
 
-/// A sentence about what does not fit together, or nothing.
+/// A sentence about parts that do not fit together, or nothing.
 std::string inconsistency(const RunRecording& recording)
 {
     for (const RecordedTree& tree : recording.trees) {
@@ -170,14 +170,14 @@ std::string inconsistency(const RunRecording& recording)
             if ((object != ObjectNodes::kScene && object >= tree.object_nodes.frames.size()) ||
                 tree.object_nodes.key[node] >= tree.object_nodes.key_count ||
                 tree.object_nodes.key_count > 16 * tree.nodes.size() + 1024) {
-                return "names an object of a node that is not there";
+                return "names an object of a node that does not exist";
             }
         }
     }
     constexpr uint32_t kMostItems = 1u << 28;
     for (const RecordedShape& placed : recording.placed_shapes) {
         if (placed.shape >= recording.shapes.size() || placed.item.value >= kMostItems) {
-            return "places a shape that is not there";
+            return "places a shape that does not exist";
         }
     }
     for (const RecordedRun& run : recording.runs) {
@@ -220,7 +220,7 @@ Result<RunRecording> from_bytes(std::string_view bytes, const std::string& name)
             fmt::format("{}: it {}; record it again with 'occlude bench --record'", name, how)};
     };
     if (!bytes.starts_with(kMark)) {
-        return broken("is no recording of this version");
+        return broken("is not a recording of this version");
     }
     if (bytes.size() < kMark.size() + kHashBytes) {
         return broken("is cut off");
@@ -244,12 +244,12 @@ Result<RunRecording> from_bytes(std::string_view bytes, const std::string& name)
         std::istringstream stream{device};
         auto loaded = load_recording(stream);
         if (!loaded) {
-            return broken("holds something else than what a device answered");
+            return broken("holds an invalid device recording");
         }
         run.device = std::move(*loaded);
     }
     if (reader.failed() || !reader.at_end()) {
-        return broken("makes no sense");
+        return broken("holds invalid data");
     }
     if (const std::string problem = inconsistency(recording); !problem.empty()) {
         return broken(problem);

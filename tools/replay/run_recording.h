@@ -1,9 +1,9 @@
-// What `bench --record` writes and `replay` reads: the tree, the boxes and shapes of the items, the
-// cameras, and of each algorithm what it said to the device, what the device answered, what the
-// clock showed and what the algorithm decided. With it, a run repeats bit by bit on a machine that
-// has neither the scene nor the graphics card.
+// The file that `bench --record` writes and `replay` reads: the tree, the boxes and shapes of the
+// items, the cameras, and for each algorithm its calls to the device, the answers, the clock and
+// the decisions. With it, a run repeats bit by bit on a machine that has neither the scene nor the
+// graphics card.
 //
-// The file: a mark with the version, fields, and a hash of all bytes before it. Numbers are
+// The format: a mark with the version, fields, and a hash of all bytes before it. Numbers are
 // little-endian. Everything is checked when it is read: a file that is cut off, changed, made by
 // another version or hostile is an error with a sentence.
 #pragma once
@@ -22,7 +22,7 @@
 
 namespace occlude::tools {
 
-/// An item's place among the shapes of a recording.
+/// The placement of an item's shape in a recording.
 struct RecordedShape {
     ItemId item;
     uint32_t shape = 0; ///< into RunRecording::shapes
@@ -44,8 +44,8 @@ struct RecordedRun {
     std::string algorithm; ///< as in the registry
     std::vector<OptionValue> options;
     uint32_t tree = 0;                       ///< into RunRecording::trees
-    std::vector<double> clock;               ///< what it showed, call by call
-    std::vector<std::vector<ItemId>> owners; ///< per frame: what record_answer() was told
+    std::vector<double> clock;               ///< the clock, call by call
+    std::vector<std::vector<ItemId>> owners; ///< per frame: the argument of record_answer()
     std::vector<uint64_t> decision_hashes;   ///< per frame
     Recording device;
 };
@@ -62,7 +62,8 @@ struct RunRecording {
 /// The file's content. Error: a device recording cannot be written.
 Result<std::string> to_bytes(const RunRecording& recording);
 
-/// `name` is the file's, for errors. Everything that replay() relies on holds of the result.
+/// `name` is the name of the file, for errors. The result satisfies everything that replay() relies
+/// on.
 Result<RunRecording> from_bytes(std::string_view bytes, const std::string& name);
 
 } // namespace occlude::tools

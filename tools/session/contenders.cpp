@@ -112,7 +112,7 @@ Result<std::vector<Choice>> choose(const std::string& list, const DeviceCaps& ca
     return choices;
 }
 
-// Every setting must reach somebody: a typing error must not pass as a measurement.
+// Every setting must apply to something: a typing error must not pass as a measurement.
 Result<bool> check_settings(std::span<const std::string> sets, std::span<const Choice> choices)
 {
     for (const std::string& text : sets) {

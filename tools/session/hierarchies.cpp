@@ -26,7 +26,7 @@ std::vector<std::string> all_kinds()
     return names;
 }
 
-// Errors name `where` it was set.
+// Errors name the place where it was set.
 Result<bool> check_options(std::string_view kind, std::span<const OptionValue> options,
                            std::string_view where)
 {

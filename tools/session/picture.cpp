@@ -57,7 +57,7 @@ uint32_t mixed(uint32_t below, uint32_t above)
     return result;
 }
 
-// Draws `items` in one colour and mixes them over `image`, as if nothing stood before them.
+// Draws `items` in one colour and blends them over `image`, as if nothing stood before them.
 void shine_through(Session& session, const View& view, std::span<const ItemId> items, Image& image)
 {
     const Stage stage = session.stage();
@@ -97,14 +97,15 @@ void draw_decided_boxes(Session& session, const Culler& culler, const View& view
             }
         }
         if (!points.empty()) {
-            // Hidden boxes are behind something by definition: only on top can they be seen.
+            // Hidden boxes are behind something by definition, so that they show only on top.
             session.renderer().draw_lines(view, points, state.color.color,
                                           !is_drawn(state.decision));
         }
     }
 }
 
-/// Draws the frustum over the picture in lines of three pixels; devices draw lines of one.
+/// Draws the frustum over the picture with lines of three pixels, because devices draw lines of
+/// one.
 Image with_frustum(Session& session, const View& view, const View& path_view)
 {
     const Image without = session.renderer().capture().color;
@@ -126,7 +127,7 @@ Image with_frustum(Session& session, const View& view, const View& path_view)
     return image;
 }
 
-// What the renderer's target holds afterwards is the picture, up to lines and tints.
+// The content of the renderer's target afterwards is the picture without lines and tints.
 void draw_items_for(Session& session, const Culler& culler, const View& view, Show show,
                     bool from_outside)
 {
@@ -159,8 +160,9 @@ std::vector<Decision> item_decisions(const Culler& culler, size_t item_count)
 Camera overview_camera(const SceneModel& model, const Camera& path_camera, glm::ivec2 size)
 {
     constexpr float kFovY = 40.0f;   // degrees
-    constexpr float kTilt = 1.0f;    // how far behind per unit of height: walls show, too
-    constexpr float kMargin = 1.08f; // of the distance from which the bounds just fit
+    constexpr float kTilt = 1.0f;    // how far behind, per unit of height: oblique, so that walls
+                                     // show
+    constexpr float kMargin = 1.08f; // of the distance at which the bounds just fit
     const Aabb bounds = find_focus(model).box;
     const glm::vec3 up = glm::normalize(model.up);
     glm::vec3 heading = path_camera.target - path_camera.eye;

@@ -33,8 +33,8 @@ std::vector<View> flight(const Session& session, const glm::vec3& begin, const g
     return session.views(cameras);
 }
 
-/// The flight through the middle, along one of the two level axes and at one of two heights, on
-/// which most is seen: not the one that runs inside of a wall.
+/// The flight through the middle on which most is visible, of the two level axes and two heights:
+/// it does not run inside a wall.
 std::vector<View> views_inside(Session& session, size_t frames)
 {
     constexpr size_t kProbes = 2;
@@ -146,7 +146,7 @@ const char* to_string(Pays pays)
 
 Pays judge(const Occlusion& occlusion)
 {
-    // Below both, a whole frame costs less than the tests that would make it cheaper.
+    // Below both limits, a whole frame costs less than the tests that could make it cheaper.
     constexpr double kSmallFrame = 50000.0; // triangles
     constexpr double kFewDraws = 1000.0;
     constexpr double kWorthIt = 2.0;
@@ -218,8 +218,9 @@ std::string conclusion(std::span<const Prospect> prospects)
     }
     if (yes.empty() && perhaps.empty()) {
         return kinds_that(prospects, Pays::small).empty()
-                   ? "Draw what is in the frustum: for such cameras nearly all of it is seen."
-                   : "Draw what is in the frustum: the scene is too small for more to pay.";
+                   ? "Use frustum culling alone: such cameras see nearly everything in the frustum."
+                   : "Use frustum culling alone: the scene is too small for occlusion culling to "
+                     "pay.";
     }
     if (yes.empty()) {
         return fmt::format("Measure before you integrate: 'occlude bench' shows whether the little "
@@ -227,7 +228,7 @@ std::string conclusion(std::span<const Prospect> prospects)
                            perhaps);
     }
     if (no.empty() && perhaps.empty()) {
-        return fmt::format("Culling pays ({}). See by how much: 'occlude bench --algorithms all'.",
+        return fmt::format("Culling pays ({}). 'occlude bench --algorithms all' shows how much.",
                            yes);
     }
     return fmt::format(

@@ -1,4 +1,5 @@
-// Whether culling pays on a scene, before anything is integrated: what moving cameras would see.
+// Estimates whether culling pays on a scene before it is integrated, by what moving cameras would
+// see.
 #pragma once
 
 #include "session/session.h"
@@ -9,7 +10,7 @@
 
 namespace occlude::tools {
 
-/// What the frames of a path show, summed over them.
+/// What the frames of a path show, summed over the frames.
 struct Occlusion {
     size_t frames = 0;
     uint64_t items = 0; ///< in the frustum
@@ -24,8 +25,8 @@ struct Occlusion {
     double items_per_frame() const;
 };
 
-/// Draws every view with everything in its frustum and counts who owns a pixel. The session must be
-/// started.
+/// Draws every view with everything in its frustum and counts which items own a pixel.
+/// Precondition: the session is started.
 Occlusion sample_occlusion(Session& session, std::span<const View> views,
                            const ProgressCallback& progress);
 
@@ -39,7 +40,7 @@ enum class Pays {
 };
 const char* to_string(Pays pays);
 
-/// By how much can be saved and how large frames are.
+/// The estimate from the share that can be saved and the size of frames.
 Pays judge(const Occlusion& occlusion);
 
 /// A kind of moving camera.
@@ -49,16 +50,16 @@ struct Prospect {
     Pays pays = Pays::no_such_path;
     Occlusion seen = {};
 
-    /// One sentence: what is in the frustum, what of it is seen, what follows.
+    /// One sentence: how much is in the frustum, how much of it is visible, and the conclusion.
     std::string sentence() const;
 };
 
 /// Prospects for cameras that fly straight through the middle of the scene ("inside"), walk at eye
-/// height where there are floors ("street"), and circle the whole scene ("outside"), `frames` views
-/// each. Costs as many frames, and eight more.
+/// height if there are floors ("street"), and circle the whole scene ("outside"), `frames` views
+/// each. Draws that many frames, and eight more.
 std::vector<Prospect> prospects(Session& session, size_t frames, const ProgressCallback& progress);
 
-/// What follows for all kinds together, and for other cameras not at all.
+/// The conclusion for all kinds of cameras together. It does not hold for other cameras.
 std::string conclusion(std::span<const Prospect> prospects);
 
 } // namespace occlude::tools

@@ -69,8 +69,8 @@ Result<bool> check_stage_options(const StageOptions& options)
     }
     if (options.device == "cpu" && options.samples > 1) {
         return Error{ErrorCode::unsupported,
-                     fmt::format("--msaa {}: the cpu device draws one sample per pixel; leave "
-                                 "--msaa away or choose --device gl",
+                     fmt::format("--msaa {}: the cpu device draws one sample per pixel; omit "
+                                 "--msaa or choose --device gl",
                                  options.samples)};
     }
     return true;
@@ -113,7 +113,7 @@ std::optional<Error> left_out_error(const std::string& scene, const SceneModel& 
         return std::nullopt;
     }
     return Error{ErrorCode::bad_data,
-                 fmt::format("{}: --strict: the file holds what cannot be drawn: {}; omit "
+                 fmt::format("{}: --strict: the file has parts that cannot be drawn: {}; omit "
                              "--strict, or export it without",
                              scene, fmt::join(model.load_losses, "; "))};
 }
@@ -141,7 +141,7 @@ void Session::build_trees(std::span<const HierarchyChoice> choices, const Loadin
         }
         auto tree = std::make_unique<Tree>();
         tree->choice = choice;
-        if (choice.kind == kTwoLevel) { // knows of objects, not only of items
+        if (choice.kind == kTwoLevel) { // knows objects, not only items
             tree->two_level = std::make_unique<TwoLevelScene>(options_of_two_level(choice));
             tree->two_level->sync(scene_.scene);
         } else {
@@ -275,7 +275,7 @@ Stage Session::stage()
     return stage;
 }
 
-// Tells the device how to test; an error names the option.
+// Sets the test method of the device; an error names the option.
 Result<bool> Session::choose_test()
 {
     const auto chosen = renderer_->use_test_method(*test_method(options_.test));

@@ -17,42 +17,44 @@
 
 namespace occlude::tools {
 
-/// Told what is being done to a scene ("reading", "building the tree") and the share of it that is
-/// done; NaN where nobody knows it.
+/// Called with the work being done on a scene ("reading", "building the tree") and the share that
+/// is done; NaN if it is unknown.
 using LoadingCallback = std::function<void(const std::string& phase, double share)>;
 
 class Session {
 public:
-    /// Loads or generates the scene, builds the hierarchies and makes the renderer. Says on `notes`
-    /// what the user should know (a fallback to the CPU). Errors name the thing and the remedy.
+    /// Loads or generates the scene, builds the hierarchies and makes the renderer. Reports on
+    /// `notes` what the user should know (a fallback to the CPU). Errors name the thing and the
+    /// remedy.
     static Result<std::unique_ptr<Session>> open(const std::string& scene,
                                                  const StageOptions& options, std::ostream& notes,
                                                  const LoadingCallback& loading = {});
 
     /// The parts of open(), for programs that load in another thread. load() and prepare() touch no
-    /// renderer; start() belongs to the thread that will draw. `context` is the one to draw in with
-    /// OpenGL; null: one without a window.
+    /// renderer; start() belongs to the thread that will draw. `context` is the OpenGL context to
+    /// draw in; null: one without a window.
     static Result<SceneModel> load(const std::string& scene, const StageOptions& options,
                                    const LoadingCallback& loading = {});
     static Result<std::unique_ptr<Session>> prepare(SceneModel model, const StageOptions& options,
                                                     const LoadingCallback& loading = {});
     Result<bool> start(std::shared_ptr<GlContext> context, std::ostream& notes);
 
-    /// Builds other trees instead of those there are: no culler of the old ones may be used again.
-    /// On an error nothing changes.
+    /// Replaces the trees: cullers of the old ones must not be used again. Changes nothing on an
+    /// error.
     Result<bool> use_hierarchies(const std::string& text, const std::vector<std::string>& sets);
-    /// Another method of testing boxes: "queries", "raster" or "pyramid".
+    /// Changes the method of testing boxes: "queries", "raster" or "pyramid".
     Result<bool> use_test(const std::string& method);
-    /// Another size of the target and of views.
+    /// Changes the size of the target and of views.
     Result<bool> resize(glm::ivec2 size);
     /// The model, so that instances can be moved (world_from_mesh) or made to vanish (motion); the
-    /// next set_frame() of the stage takes it over. A scene in which nothing moves gets a motion in
-    /// which everything stands still. Neither instances nor meshes may come or go.
+    /// next set_frame() of the stage takes the changes over. A scene in which nothing moves gets a
+    /// motion in which everything stands still. Neither instances nor meshes may be added or
+    /// removed.
     SceneModel& editable_model();
 
     const SceneModel& model() const { return model_; }
     const CullScene& scene() const { return scene_; }
-    /// The first of the trees that were chosen.
+    /// The first of the chosen trees.
     const Hierarchy& hierarchy() const { return trees_.front()->hierarchy(); }
     /// The tree of an entry of --hierarchy; null if there is none. Valid as long as the session.
     const Hierarchy* tree(std::string_view label) const;
@@ -62,7 +64,7 @@ public:
     /// "gl", "cpu" or "cpu_fast".
     const std::string& device_name() const { return device_name_; }
     const StageOptions& options() const { return options_; }
-    /// What was measured while the session was made, and since then where things move.
+    /// Times measured while the session was made, and since then where things move.
     Preparation preparation() const;
 
     /// Valid as long as the session. If the scene moves, set_frame() changes the session's scene,
@@ -71,9 +73,9 @@ public:
 
     /// The cameras of a path, with near and far chosen. Never empty.
     Result<std::vector<Camera>> cameras(const std::string& path) const;
-    /// The same of another number of frames than that of the options.
+    /// The same for another number of frames than the option's.
     Result<std::vector<Camera>> cameras(const std::string& path, size_t frames) const;
-    /// The views of the same path, or of these cameras, at the session's size.
+    /// The views of the same path, or of these cameras, in the session's size.
     Result<std::vector<View>> views(const std::string& path) const;
     std::vector<View> views(std::span<const Camera> cameras) const;
 
@@ -85,7 +87,7 @@ private:
     struct Tree {
         HierarchyChoice choice;
         Hierarchy flat;
-        std::unique_ptr<TwoLevelScene> two_level; ///< instead of `flat`, if that is the kind
+        std::unique_ptr<TwoLevelScene> two_level; ///< used instead of `flat` for the kind two_level
 
         const Hierarchy& hierarchy() const { return two_level ? two_level->hierarchy() : flat; }
     };
@@ -111,7 +113,7 @@ private:
     Preparation preparation_;
 };
 
-/// What was assumed of a file and what was left out of it, one line each, indented; empty for
+/// The assumptions about a file and the parts left out of it, one indented line each; empty for
 /// generated scenes.
 std::string load_summary(const SceneModel& model);
 

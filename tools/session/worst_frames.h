@@ -1,4 +1,4 @@
-// Pictures of the frames in which culling gained least, for reports.
+// Pictures of the frames in which culling saved least, for reports.
 #pragma once
 
 #include "measure/stage.h"
@@ -10,9 +10,10 @@
 
 namespace occlude::tools {
 
-/// Three pictures (the image, what is hidden, the boxes that were decided) of each of the worst
-/// `count` frames of `run`, which is one of `contender` along `cameras`. The frames are culled
-/// again, after those before them, so an algorithm that measures time may decide otherwise.
+/// Three pictures (the image, the hidden items, the boxes with a decision) of each of the worst
+/// `count` frames of `run`, which is a run of `contender` along `cameras`. The frames are culled
+/// again, after the frames before them, so that an algorithm that measures time may decide
+/// otherwise.
 Result<std::vector<FramePicture>> picture_worst_frames(Session& session, const Contender& contender,
                                                        const AlgorithmRun& run,
                                                        std::span<const Camera> cameras,

@@ -8,10 +8,10 @@ namespace occlude::tools {
 /// The experiments of the papers that the algorithms come from.
 std::vector<SuiteEntry> papers_entries(Scale scale);
 
-/// Kinds of trees and sizes of leaves beside each other, on all kinds of scenes.
+/// Kinds of trees and sizes of leaves side by side, on all kinds of scenes.
 std::vector<SuiteEntry> trees_entries(Scale scale);
 
-/// A little of everything, for every day; the same at every scale.
+/// A quick mixture for daily use, the same at every scale.
 std::vector<SuiteEntry> quick_entries(Scale scale);
 
 } // namespace occlude::tools

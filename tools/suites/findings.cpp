@@ -11,7 +11,7 @@ namespace occlude::tools {
 
 namespace {
 
-// Means, as the papers' totals: the frames that take long weigh as much as they take.
+// Means, like the totals of the papers: frames that take long have the weight of their time.
 constexpr std::string_view kTime = "frame_ms.mean";
 constexpr std::string_view kTriangles = "per_frame.triangles_drawn";
 // A ratio this close to another one counts as equal to it.
@@ -29,7 +29,7 @@ double ratio_of(const EntryResult& entry, std::string_view figure, std::string_v
     return figure_of(entry, a, figure) / figure_of(entry, b, figure);
 }
 
-// Milliseconds that `frustum` takes for one triangle: the price of drawing on this machine.
+// Milliseconds per triangle of `frustum`: the price of drawing on this machine.
 double ms_per_triangle(const EntryResult& entry)
 {
     return figure_of(entry, "frustum", kTime) / figure_of(entry, "frustum", kTriangles);
@@ -41,7 +41,7 @@ double draw_share(const EntryResult& entry, std::string_view run)
            figure_of(entry, run, kTime);
 }
 
-// Looks of a run at what is visible: tests, or cells whose pixels were read.
+// How often a run checks what is visible: tests, or cells whose pixels were read.
 double looks_of(const EntryResult& entry, std::string_view run)
 {
     return figure_of(entry, run, "per_frame.queries") +
@@ -117,7 +117,7 @@ std::string why_short_of_other(const EntryResult& entry, std::string_view slow,
 {
     const double looks = looks_of(entry, slow) / looks_of(entry, fast);
     const double triangles = ratio_of(entry, kTriangles, slow, fast);
-    // What is visible costs both the same: its pixels are shaded in software here.
+    // Drawing the visible items costs both the same: their pixels are shaded in software here.
     const double floor = figure_of(entry, "ideal", kTime);
     const double above =
         (figure_of(entry, slow, kTime) - floor) / (figure_of(entry, fast, kTime) - floor);

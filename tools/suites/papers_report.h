@@ -7,8 +7,8 @@
 
 namespace occlude::tools {
 
-/// Markdown: the papers with their figures, ours, whether they are reached and why not; then the
-/// runs themselves. Follows from `results` alone: the same results give the same page.
+/// Markdown: the papers with their figures, our values, whether they are reached and the reason if
+/// not; then the runs themselves. Depends only on `results`: the same results give the same page.
 std::string papers_report(const SuiteResults& results);
 
 } // namespace occlude::tools

@@ -4,7 +4,7 @@ namespace occlude::tools {
 
 namespace {
 
-// The two sizes of one experiment: the published one, and one for every day.
+// The two sizes of one experiment: the published one, and one for daily use.
 struct Sizes {
     std::string full;
     std::string small;
@@ -19,17 +19,18 @@ SuiteEntry walk(Scale scale, std::string name, const Sizes& scene, std::string p
     entry.algorithms = std::move(algorithms);
     entry.stage.path = std::move(path);
     entry.stage.frames = scale == Scale::full ? 240 : 120;
-    // Papers leave their sizes out or had this one. In software each pixel is expensive, as it was
-    // not on their hardware: larger images would measure shading, the same for all.
+    // Papers leave their sizes out or had this one. In software each pixel is expensive, unlike on
+    // their hardware: larger images would measure shading, which costs all algorithms the same.
     entry.stage.size = {640, 480};
-    // A frame without culling takes seconds at full scale, and 30 of them tell as much as 240.
+    // A frame without culling takes seconds at full scale, and 30 of them show as much as 240.
     entry.sample_every = scale == Scale::full ? 8 : 6;
     entry.verify_every = scale == Scale::full ? 6 : 5;
     return entry;
 }
 
-// Kovalcik, Sochor 2005: an axis-aligned BSP tree, and a still scene that is flown through. Theirs
-// hangs small objects into small cells; here meshes are parted between triangles, for tight boxes.
+// Kovalcik, Sochor 2005: an axis-aligned BSP tree, and a static scene that is flown through. Their
+// tree puts small objects into small cells; here meshes are divided between triangles, for tight
+// boxes.
 SuiteEntry statistical(Scale scale, std::string name, const Sizes& scene, uint32_t part_triangles)
 {
     SuiteEntry entry = walk(scale, std::move(name), scene, "auto",
@@ -40,14 +41,14 @@ SuiteEntry statistical(Scale scale, std::string name, const Sizes& scene, uint32
     return entry;
 }
 
-// Where many parts lie across each plane: they become a child of their own, to be tested as the
-// sides are. In the node itself they are drawn whenever something of it is seen.
+// Here many parts straddle each plane. They become a child of their own, to be tested like the
+// sides. In the node itself they would be drawn whenever something of it is visible.
 void test_what_straddles(SuiteEntry& entry)
 {
     entry.stage.sets = {"bsp.straddling=child"};
 }
 
-// The plant, from an aisle with the whole of it ahead, 9 cm a frame at full scale.
+// The plant, from an aisle with the whole plant ahead, 9 cm per frame at full scale.
 void go_through_the_plant(SuiteEntry& entry)
 {
     entry.stage.path = "through";
@@ -55,8 +56,8 @@ void go_through_the_plant(SuiteEntry& entry)
     entry.sample_every *= 2;
 }
 
-// Parts of 64 triangles: of larger ones most are seen beside the pipes that hide them. `frustum` is
-// as fast with these as with 128.
+// Parts of 64 triangles: larger parts mostly show beside the pipes that hide them. `frustum` is as
+// fast with these as with 128.
 SuiteEntry statistical_plant(Scale scale, const Sizes& scene)
 {
     SuiteEntry entry = statistical(scale, "plant_2m", scene, 64);
@@ -87,7 +88,8 @@ SuiteEntry two_level(Scale scale, std::string name, const Sizes& scene, uint32_t
     return entry;
 }
 
-// Of parts of 2048 triangles `frustum` is as fast, and what is seen takes an eighth more.
+// With parts of 2048 triangles `frustum` is as fast, but drawing the visible parts takes an eighth
+// longer.
 SuiteEntry two_level_plant(Scale scale, const Sizes& scene)
 {
     SuiteEntry entry = two_level(scale, "plant_13m", scene, scale == Scale::full ? 1024 : 512);
@@ -95,16 +97,16 @@ SuiteEntry two_level_plant(Scale scale, const Sizes& scene)
     return entry;
 }
 
-// The same, of the moving bunnies, which move by up to 1.5% of their size in a frame, while the eye
-// goes a third of the way around them, 5 cm a frame.
+// The same for the moving bunnies, which move by up to 1.5% of their size per frame, while the eye
+// goes a third of the way around them, 5 cm per frame.
 SuiteEntry bunnies_in_motion(Scale scale, const Sizes& scene, uint32_t part_triangles)
 {
     SuiteEntry entry = two_level(scale, "bunnies", scene, part_triangles);
     entry.algorithms = "frustum,stop_and_wait,two_level";
     entry.stage.path = "pass";
     entry.stage.leaf_triangles = part_triangles;
-    // A test is cheap where triangles are expensive: on the paper's hardware 14,408 of them took
-    // over two seconds. A larger image brings that somewhat nearer.
+    // A test is cheap where triangles are expensive: on the paper's hardware 14,408 tests took over
+    // two seconds. A larger image reduces this difference.
     entry.stage.size = {1024, 768};
     entry.stage.frames = 240;
     entry.sample_every = 12;
@@ -113,9 +115,9 @@ SuiteEntry bunnies_in_motion(Scale scale, const Sizes& scene, uint32_t part_tria
 }
 
 // Hey, Tobler, Purgathofer 2001: cells of 32 pixels, and boxes of at most 1500 triangles. Smaller
-// ones serve lazy and busy better; `frustum` culls item by item and does not mind. Boxes are tested
-// by their faces; many wait for pixels at once, and what they need is read in rows of cells. Border
-// cells that a box covers by an eighth are asked as a whole, as section 6 has it.
+// boxes are better for lazy and busy; `frustum` culls item by item, so that they do not affect it.
+// Boxes are tested by their faces. Many tests wait for pixels at once, which are read in rows of
+// cells. If a box covers an eighth of a border cell, the whole cell is read (section 6).
 SuiteEntry lazy_grid(Scale scale, std::string name, const Sizes& scene, std::string path,
                      glm::ivec2 size)
 {
@@ -136,13 +138,14 @@ SuiteEntry chc_plus_plus(Scale scale, std::string name, const Sizes& scene, std:
     SuiteEntry entry = walk(scale, std::move(name), scene, std::move(path),
                             "frustum,stop_and_wait,chc,chc_plus_plus,"
                             "chc_plus_plus:multiqueries=off:tight_bounds_depth=0");
-    entry.stage.leaf_triangles = 128; // many visible leaves are what CHC++ is about
+    entry.stage.leaf_triangles = 128; // CHC++ is designed for many visible leaves
     entry.stage.item_triangles = 512;
     return entry;
 }
 
-// Where boxes say more than what is in them: all that tests boxes draws more than is seen, and the
-// difference between `opt`, which tests perfectly, and `ideal` is what no test of boxes can save.
+// A case where boxes are larger than their contents: every algorithm that tests boxes draws more
+// than is visible. The difference between `opt`, which tests perfectly, and `ideal` is beyond any
+// test of boxes.
 SuiteEntry hollow(Scale scale, std::string name, const Sizes& scene)
 {
     return walk(scale, std::move(name), scene, "pass",

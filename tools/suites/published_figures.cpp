@@ -29,7 +29,7 @@ constexpr Target between(double low, double high)
     return {.at_least = low, .at_most = high};
 }
 
-// What `find` says of one entry; nothing if it was not run.
+// The result of `find` for one entry; nothing if it was not run.
 template <class FindInEntry>
 Find in(std::string entry, FindInEntry find)
 {
@@ -92,7 +92,7 @@ Find growth_by_cutting(std::string entry)
     });
 }
 
-// The extreme of time_ratio over several entries; `sign` 1: the greatest, -1: the least.
+// The extreme of time_ratio over several entries; `sign` 1: the largest, -1: the smallest.
 Find extreme_time(std::vector<std::string> entries, std::string slow, std::string fast, int sign)
 {
     return [=](const SuiteResults& results, const Target& target) {
@@ -113,7 +113,7 @@ Find extreme_time(std::vector<std::string> entries, std::string slow, std::strin
     };
 }
 
-// Engine calls as the device sees them: draws and batches of tests.
+// Engine calls from the view of the device: draws and batches of tests.
 Find engine_calls(std::string entry)
 {
     return in(std::move(entry), [](const EntryResult& e, const Target& target) {

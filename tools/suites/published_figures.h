@@ -1,4 +1,4 @@
-// The figures that the papers print, each with how the same quantity is read off our results.
+// The figures that the papers print, each with the way to read the same quantity off our results.
 #pragma once
 
 #include "suites/findings.h"
@@ -14,7 +14,7 @@ namespace occlude::tools {
 struct Paper {
     std::string_view key;      ///< "STAT05"
     std::string_view citation; ///< authors, title, year
-    std::string_view setting;  ///< their machine, and which of our runs stand for theirs
+    std::string_view setting;  ///< their machine, and the runs of ours that correspond to theirs
 };
 std::span<const Paper> papers();
 

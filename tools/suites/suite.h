@@ -1,4 +1,4 @@
-// Named sets of benchmarks, for `occlude bench --suite`: what is measured, where and how.
+// Named sets of benchmarks, for `occlude bench --suite`: what is measured, on which scenes and how.
 #pragma once
 
 #include "options/options.h"
@@ -10,7 +10,7 @@
 
 namespace occlude::tools {
 
-/// How large the scenes of a suite are: as published, or so small that a suite takes minutes.
+/// The size of the scenes of a suite: as published, or so small that a suite takes minutes.
 enum class Scale { small, full };
 
 /// "small" or "full".
@@ -20,7 +20,7 @@ std::string_view to_string(Scale scale);
 struct SuiteEntry {
     std::string name; ///< "plant_bsp", for --only and in the results
     std::string scene;
-    std::string algorithms; ///< as --algorithms; the references run too
+    std::string algorithms; ///< as --algorithms; the algorithms to compare with run too
     StageOptions stage;
     size_t sample_every = 1; ///< MeasureOptions
     size_t verify_every = 1; ///< MeasureOptions: of the measured frames

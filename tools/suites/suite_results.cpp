@@ -17,7 +17,7 @@ double figure_of(const Map& figures, std::string_view name)
     return found != figures.end() ? found->second : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Numbers below `json` by the way to them, with dots between the keys. Lists are left out.
+// The numbers below `json` by their path, with dots between the keys. Leaves out lists.
 void collect_numbers(const Json& json, const std::string& prefix,
                      std::map<std::string, double, std::less<>>& figures)
 {
@@ -39,7 +39,7 @@ RunResult read_run(const Json& json)
     return run;
 }
 
-// What is missing or of another kind is thrown.
+// Throws if something is missing or of another kind.
 EntryResult read_entry(const Json& json)
 {
     EntryResult entry;

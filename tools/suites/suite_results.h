@@ -1,4 +1,4 @@
-// The results of a suite as they are kept in a file: read, added to, asked for figures.
+// The results of a suite in a file: reads them, adds to them, and looks up figures.
 #pragma once
 
 #include <occlude/core/result.h>
@@ -10,14 +10,14 @@
 
 namespace occlude::tools {
 
-/// One algorithm on one entry. A figure's name is its place in the JSON: "frame_ms.mean",
+/// One algorithm on one entry. The name of a figure is its path in the JSON: "frame_ms.mean",
 /// "per_frame.queries", "differing_pixels".
 struct RunResult {
     std::string algorithm;
     std::string guarantee;
     std::map<std::string, double, std::less<>> figures;
 
-    /// NaN for what was not measured.
+    /// NaN if it was not measured.
     double operator[](std::string_view figure) const;
 };
 
@@ -31,10 +31,11 @@ struct EntryResult {
     std::string device; ///< "gl: renderer"
     std::string split;
     std::vector<std::string> sets;
-    std::map<std::string, double, std::less<>> figures; ///< numbers of the document, as of a run
+    std::map<std::string, double, std::less<>> figures; ///< numbers of the document, named as those
+                                                        ///< of a run
     std::vector<RunResult> runs;
 
-    /// NaN for what was not measured.
+    /// NaN if it was not measured.
     double operator[](std::string_view figure) const;
     /// The run of that name, or null.
     const RunResult* run(std::string_view algorithm) const;
@@ -52,8 +53,9 @@ struct SuiteResults {
 /// Reads what suite_report() wrote. Errors name `file`, which is only for messages, and the remedy.
 Result<SuiteResults> parse_suite_results(const std::string& file, std::string_view text);
 
-/// `measured` with those entries of `kept` that it does not have, in the order of `names`. Errors:
-/// texts that are not results, or of another suite or scale; they name `file`, where `kept` was.
+/// `measured` plus the entries of `kept` that it does not have, in the order of `names`. Errors:
+/// texts that are not results, or of another suite or scale; they name `file`, which `kept` was
+/// read from.
 Result<std::string> add_to_results(const std::string& file, std::string_view kept,
                                    std::string_view measured,
                                    const std::vector<std::string>& names);

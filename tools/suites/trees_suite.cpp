@@ -4,7 +4,7 @@ namespace occlude::tools {
 
 namespace {
 
-// All trees of one entry walk in one run.
+// All trees of one entry are measured in one run.
 SuiteEntry entry(Scale scale, std::string name, const char* full, const char* small,
                  std::string path)
 {

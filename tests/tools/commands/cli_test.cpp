@@ -341,7 +341,7 @@ TEST(Cli, ListsWhatThereIs)
     EXPECT_NE(algorithms.find("chc_plus_plus"), std::string::npos);
     EXPECT_NE(algorithms.find("hierarchies: bvh, bsp, octree, grid, two_level"), std::string::npos);
     EXPECT_NE(algorithms.find("hierarchies: bvh, octree, grid\n"), std::string::npos);
-    EXPECT_NE(algorithms.find("hierarchies: all alike"), std::string::npos);
+    EXPECT_NE(algorithms.find("hierarchies: any"), std::string::npos);
     EXPECT_NE(run({"list", "hierarchies"}).out.find("bvh"), std::string::npos);
     EXPECT_NE(run({"list", "devices"}).out.find("cpu"), std::string::npos);
     EXPECT_NE(run({"list", "scenes"}).out.find("city"), std::string::npos);

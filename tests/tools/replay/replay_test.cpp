@@ -112,7 +112,7 @@ TEST(Replay, NamesTheFrameInWhichARunDecidesDifferently)
     EXPECT_EQ(replayed->mismatch, "frame 2: it decided differently");
     EXPECT_EQ(replayed->frames, 2u);
 
-    RecordedRun other_algorithm = *chc; // it asks the device something else
+    RecordedRun other_algorithm = *chc; // it makes other calls to the device
     other_algorithm.algorithm = "stop_and_wait";
     replayed = replay(recording, other_algorithm);
     ASSERT_TRUE(replayed);
@@ -147,7 +147,7 @@ TEST(Replay, FilesThatAreCutOffChangedOrStrangeEndWithASentence)
         EXPECT_NE(loaded.error().message.find("record it again"), std::string::npos);
     };
     expect_broken("");
-    expect_broken("something else");
+    expect_broken("an invalid device recording");
     for (int i = 0; i < 40; ++i) {
         expect_broken(bytes->substr(0, rng.below(static_cast<uint32_t>(bytes->size()))));
         std::string changed = *bytes;
@@ -198,7 +198,7 @@ TEST(Replay, ScenesThatMoveAndSeveralScenesAreRefusedBeforehand)
     moving.insert(moving.end(), rest.begin(), rest.end());
     const Outcome refused = run(moving);
     EXPECT_EQ(refused.code, 2);
-    EXPECT_NE(refused.err.find("moves; recordings hold scenes that stand still"), std::string::npos)
+    EXPECT_NE(refused.err.find("moves; recordings hold static scenes"), std::string::npos)
         << refused.err;
     std::vector<std::string> two{"bench", "city", "city"};
     two.insert(two.end(), rest.begin(), rest.end());
