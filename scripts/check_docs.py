@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the documentation names exists.
+"""Checks that everything that the documentation names exists.
 
 In the Markdown files: links and their #anchors, files, functions and options in `back quotes`, and the commands
 of fenced blocks with their options. In the comments of the library's headers: the files that they name.
@@ -26,7 +26,7 @@ FUNCTION = re.compile(r"(?:\w+::)*\w+\([^()]*\)")
 OPTION = re.compile(r"--[a-z][\w-]*")
 OWN_OPTION = re.compile(r"\b([a-z_]+)[.:]([a-z_]+)=")
 
-# Names that stand for whatever the reader writes.
+# Names that stand for the reader's own names.
 PLACEHOLDER = re.compile(r"\b(my_|x_builder|your[-_])|\bFILE\.|\bNAME\b")
 SOURCE_FOLDERS = ("adapters", "occlude", "tools", "examples", "tests", "benchmarks")
 # Where the options come from that a page may name: of the program, of ./dev and of the scripts.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads every model of a folder with `occlude info`, and writes what became of each as a table.
+"""Reads every model of a folder with `occlude info`, and writes a table of the results.
 
 usage: check_models.py [--program build/bin/occlude] [--models /usr/share/assimp/models]
                        [--out docs/measurements/models.md] [--verify] [--only TEXT]

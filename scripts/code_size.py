@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How many bytes of code each algorithm brings when it is linked alone; writes docs/measurements/size.md.
+"""Measures the bytes of code of each algorithm that is linked alone; writes docs/measurements/size.md.
 
 usage: code_size.py LIBRARY        LIBRARY: a static release build, such as build/occlude/libocclude.a
 

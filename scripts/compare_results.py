@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Says what got worse from one file of benchmark results to another.
+"""Lists everything that got worse from one file of benchmark results to another.
 
 usage: compare_results.py OLD NEW [--time-tolerance PERCENT] [--counter-tolerance PERCENT]
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Measures what the documentation states, and writes the pages that state it.
+"""Measures all figures of the documentation, and writes the pages that show them.
 
 usage: measure.py run [NAME...] [--program build/bin/occlude] [--tests build/bin/test_cull] [--machine NAME]
        measure.py pages [--machine NAME]
        measure.py check [--machine NAME]
 
 benchmarks/measurements.toml lists the measurements: a name, the page, the commands and the columns.
-`run` runs the commands of the named measurements (of all by default) and keeps what they print as JSON
+`run` runs the commands of the named measurements (of all by default) and keeps their JSON output
 in benchmarks/results/MACHINE/NAME.json, with the commands, the commit, the date and the machine.
 `pages` writes docs/measurements/*.md from these files, and the blocks between
 `<!-- measured: NAME -->` and `<!-- end -->` in other pages; `<!-- measured: NAME a,b -->` shows the rows

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Deliberate one-line bugs, each of which a test must catch: is the safety net one?
+"""Applies deliberate one-line bugs, each of which a test must catch.
 
 usage: mutate.py [--check] [NAME...]
 
@@ -7,9 +7,9 @@ scripts/mutations.toml lists the bugs: a file, the text before, the text after, 
 must fail. The text is the key, so that the list survives edits elsewhere in the file. Each bug is
 applied to a copy of the sources in build-mutate/, the one test program that must notice is built,
 the named tests run, and the copy is restored. The working tree is never touched. The copy is
-compiled as `./dev test` compiles, so that with ccache only what a bug changes is compiled anew.
+compiled as `./dev test` compiles, so that with ccache only the changed files are compiled.
 
---check only asserts that every text before is there exactly once: a fast test.
+--check only asserts that every text before occurs exactly once: a fast test.
 
 Exit status 0 if every bug was caught, 1 if one survived or the list is stale, 2 for wrong use.
 """

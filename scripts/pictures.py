@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes every picture of README and docs/ that is no drawing: what the program shows, and the animation.
+"""Makes every picture of README and docs/ that is not a drawing: pictures by the program, and the animation.
 
 usage: pictures.py [--program build/bin/occlude] [--flare build/bin/lens_flare] [NAME...]
 

@@ -259,8 +259,7 @@ void ChcPlusPlus::cull_frame(CullFrame& frame)
             visit_node(frame, distance_queue_.pop());
         }
         if (distance_queue_.empty()) {
-            issue_multiqueries(frame); // nothing is left to traverse: issue the tests that there
-                                       // are
+            issue_multiqueries(frame); // nothing is left to traverse
         }
     }
 
