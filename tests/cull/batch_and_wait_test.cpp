@@ -81,7 +81,8 @@ TEST(BatchAndWait, SkipsTestsThatTheChapterAdvisesAgainst)
 
 TEST(BatchAndWait, BallsFirstVisitsWhatTheBallTouchesAndAsksOnlyElongatedBoxes)
 {
-    // Beside the right plane, x = -z, with balls that reach in; each with a cube that is in view.
+    // Balls beside the right plane, x = -z, that reach into the frustum, each with a cube that is
+    // in view.
     const Aabb cube{{50.4f, -2.0f, -50.0f}, {54.4f, 2.0f, -46.0f}};
     const Aabb pillar{{52.0f, -20.0f, -50.0f}, {53.0f, 20.0f, -49.0f}};
     const auto tested_with = [](const Aabb& beside, float elongation) {
@@ -97,8 +98,8 @@ TEST(BatchAndWait, BallsFirstVisitsWhatTheBallTouchesAndAsksOnlyElongatedBoxes)
     };
     EXPECT_EQ(tested_with(cube, 0.0f), 1u);
     EXPECT_EQ(tested_with(pillar, 0.0f), 1u);
-    EXPECT_EQ(tested_with(cube, 2.0f), 2u);     // its ball touches, and no box is asked
-    EXPECT_EQ(tested_with(pillar, 2.0f), 1u);   // its box is asked
+    EXPECT_EQ(tested_with(cube, 2.0f), 2u);     // the ball touches, so that the box is not tested
+    EXPECT_EQ(tested_with(pillar, 2.0f), 1u);   // the box is tested
     EXPECT_EQ(tested_with(pillar, 100.0f), 2u); // not elongated enough
 }
 
@@ -135,7 +136,7 @@ TEST(ScreenShare, IsTheAreaOfTheRectangleOnTheScreen)
     EXPECT_EQ(screen_share(view, {{-1.0f, -1.0f, -10.0f}, {1.0f, 1.0f, 10.0f}}), 1.0f);
     EXPECT_EQ(screen_share(view, Aabb::everything()), 1.0f);
     EXPECT_EQ(screen_share(view, Aabb::empty()), 0.0f);
-    // 1e7 units away, where the matrix of the world has hardly a bit left for the screen.
+    // 1e7 units away, where the matrix to world coordinates has hardly a bit left for the screen.
     const View far = View::camera_relative(glm::mat4{view.clip_from_relative()},
                                            view.origin() + 1e7, view.size_px());
     EXPECT_NEAR(screen_share(far, {{1e7f - 5.0f, 1e7f - 5.0f, 1e7f - 10.0f},

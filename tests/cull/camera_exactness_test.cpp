@@ -1,6 +1,6 @@
-// Exactness under every projection, at every distance from the origin and in every unit: the image
-// of every exact algorithm equals that of drawing all items, whatever the frustum test says of
-// them. On the CPU device; tests/tools/render/gl_exactness_test.cpp does the same on OpenGL.
+// Exactness under every projection, at every distance from the origin and in every unit. The image
+// of every exact algorithm equals the image of all items, drawn without a frustum test. This file
+// uses the CPU device; tests/tools/render/gl_exactness_test.cpp does the same on OpenGL.
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/registry.h>
@@ -46,7 +46,7 @@ size_t differing_pixels(const Picture& a, const Picture& b)
     return count;
 }
 
-/// Everything, in ascending order, without asking any frustum.
+/// Draws everything in ascending order, without a frustum test.
 Picture unculled(const CpuScene& scene, size_t item_count, const View& view)
 {
     CpuDevice device(scene);
@@ -65,7 +65,7 @@ struct Algorithm {
     std::vector<OptionValue> options = {};
 };
 
-/// Every algorithm that promises exact images and asks the device anything.
+/// Every algorithm that promises exact images and uses the device for visibility.
 std::vector<Algorithm> exact_algorithms()
 {
     std::vector<Algorithm> all;
@@ -76,7 +76,8 @@ std::vector<Algorithm> exact_algorithms()
     }
     for (Algorithm& algorithm : all) {
         if (algorithm.name == "uniform_grid") {
-            algorithm.options.emplace_back("cell_triangles", "100"); // else three cells hold all
+            algorithm.options.emplace_back("cell_triangles",
+                                           "100"); // by default three cells hold everything
         }
         if (algorithm.name == "adaptive") {
             algorithm.options.emplace_back("method",
@@ -87,7 +88,7 @@ std::vector<Algorithm> exact_algorithms()
     return all;
 }
 
-/// What was seen of some frames, to show that they are evidence.
+/// Counts over some frames, to show that they are evidence.
 struct Evidence {
     size_t in_frustum = 0;
     size_t drawn = 0;
@@ -101,7 +102,7 @@ struct Evidence {
     }
 };
 
-/// Culls the views one after the other and compares each with the image of everything.
+/// Culls the views one after the other and compares each image with the image of everything.
 void expect_exact(const Algorithm& algorithm, std::span<const ItemBounds> items,
                   std::span<const View> views, std::span<const Picture> references,
                   TestMethod method, Evidence& evidence)
@@ -162,7 +163,7 @@ std::vector<Pose> poses(Rng& rng, size_t count)
     std::vector<Pose> all;
     for (size_t i = 0; i < count; ++i) {
         all.push_back(test::random_pose(rng));
-        if (i % 3 == 2) { // a small step: what was seen is still there
+        if (i % 3 == 2) { // a small step: what was visible still is
             all.back() = all[i - 1];
             all.back().eye += glm::dvec3{0.3, 0.1, -0.2};
         }
@@ -191,7 +192,7 @@ TEST(CameraExactness, EveryAlgorithmUnderEveryProjection)
     }
 }
 
-// The faults that this found first: 1 to 19 pixels, where the eye is near the plane.
+// Eyes near an oblique near plane: a fault here lost 1 to 19 pixels.
 TEST(CameraExactness, ObliqueNearPlanesLoseNoPixel)
 {
     const std::vector<Algorithm> algorithms{{"stop_and_wait"},
@@ -215,8 +216,8 @@ TEST(CameraExactness, ObliqueNearPlanesLoseNoPixel)
     expect_evidence(evidence);
 }
 
-// A scene whose zero is moved to where the camera is, as engines with double positions do: nothing
-// depends on how far that is from the world's zero.
+// Engines with double positions move the zero of the scene to the camera. The image must not depend
+// on the distance between the camera and the zero of the world.
 TEST(CameraExactness, AMovedOriginShowsTheSameAtEveryDistance)
 {
     Rng rng(503);
@@ -245,7 +246,7 @@ TEST(CameraExactness, AMovedOriginShowsTheSameAtEveryDistance)
     }
 }
 
-// Boxes and positions in float, far from zero, under both ways of drawing.
+// Boxes and positions in float, far from zero, for both ways of drawing.
 // Boxes are rounded to 1/128 unit at 1e5, to 1/16 unit at 1e6 and to 1 unit at 1e7.
 TEST(CameraExactness, FarFromTheOriginNothingIsLost)
 {
@@ -273,8 +274,8 @@ TEST(CameraExactness, FarFromTheOriginNothingIsLost)
                     }
                 }
             }
-            // Drawn in world coordinates, positions round by more than these worlds' gaps beyond
-            // 1e5; drawn relative to the eye, only boxes are coarse.
+            // Drawn in world coordinates, beyond 1e5 positions round by more than the gaps of these
+            // worlds. Drawn relative to the eye, only boxes are coarse.
             if (distance <= (drawing == Drawing::relative ? 1e7 : 1e4)) {
                 expect_evidence(evidence);
             }
@@ -306,7 +307,7 @@ TEST(CameraExactness, TheUnitOfTheWorldDoesNotMatter)
             hidden.push_back(evidence.hidden_share());
         }
         const auto [least, most] = std::ranges::minmax(hidden);
-        EXPECT_LT(most - least, 0.03) << projection.name; // rounding decides about very few
+        EXPECT_LT(most - least, 0.03) << projection.name; // rounding decides for very few boxes
     }
 }
 
@@ -342,7 +343,7 @@ TEST(CameraExactness, AViewWithoutATargetHidesNothing)
     for (const glm::ivec2 size : {glm::ivec2{0, 0}, {0, 90}, {100000, 100000}, {20000, 20000}}) {
         for (const Algorithm& algorithm : exact_algorithms()) {
             if (size.x == 100000 && algorithm.name == "lazy_grid") {
-                continue; // four million cells: right, and slow
+                continue; // four million cells: the image is right, and slow to compute
             }
             SCOPED_TRACE(algorithm.name + ", " + std::to_string(size.x) + "x" +
                          std::to_string(size.y));

@@ -88,7 +88,7 @@ TEST(ChcPlusPlus, AFailedMultiqueryIsFollowedByOneTestPerNodeAtOnce)
 
 TEST(ChcPlusPlus, EveryNodeIsTestedAtMostTwiceAFrame)
 {
-    // Reinserting the nodes of failed groups in the i-queue could form the same group for ever.
+    // If nodes of failed groups went back into the i-queue, the same group could form for ever.
     const Hierarchy tree = test::random_bvh(400, 3);
     uint64_t frame = 0;
     ScriptedDevice device({.boxes = test::consistent_visibility(tree, 5, frame, 0.5f)});
@@ -129,7 +129,7 @@ TEST(ChcPlusPlus, PendingAnswersDoNotStopTheTraversalOfVisibleNodes)
     ChcPlusPlus culler{tree, {.batch_size = 1, .tight_bounds_depth = 0}};
     culler.cull(look_ahead(), device);
     culler.cull(look_ahead(), device);
-    // Node 7 is tested first of all; before anybody waits for it, everything else has been drawn.
+    // Node 7 is tested first. Everything else is drawn before the culler waits for it.
     const std::string text = device.frame_text(1);
     const std::string before_wait = text.substr(0, text.find("wait"));
     EXPECT_EQ(before_wait.find("query [7]"), 0u) << text;
@@ -199,8 +199,7 @@ TEST(ChcPlusPlus, WithoutJitterAllAreRetestedTogether)
 
 TEST(ChcPlusPlus, LongHiddenNodesAreGroupedBeforeRecentOnes)
 {
-    // Sorting by ascending probability, as a known port does, would start groups with the worst
-    // nodes.
+    // A known port sorts by ascending probability, so that its groups start with the worst nodes.
     const Hierarchy tree = row_tree(4); // leaves 15 .. 30
     std::vector<NodeId> visible{NodeId{0u}};
     for (uint32_t node = 1; node < 15; ++node) {
@@ -209,7 +208,7 @@ TEST(ChcPlusPlus, LongHiddenNodesAreGroupedBeforeRecentOnes)
     for (uint32_t node = 15; node < 31; node += 2) {
         visible.push_back(NodeId{node}); // every second leaf, so that all inner nodes stay visible
     }
-    visible.push_back(NodeId{16u}); // ... and this one, for now
+    visible.push_back(NodeId{16u}); // and this one at first
     ScriptedDevice device({.boxes = visible_subjects(visible)});
     ChcPlusPlus culler{tree,
                        {.assume_visible_frames = 1,
@@ -331,8 +330,9 @@ TEST(ChcPlusPlus, ADepthOnlyPassIsFollowedByOneShadingBatch)
 
 TEST(ChcPlusPlus, ABoxVisibleWithHiddenChildrenOscillatesButIsAskedEveryFrame)
 {
-    // Box 1 is seen, its children are not (they do not fill it): opened in one frame, found hidden,
-    // its own box asked in the next, and so on. Efficiency suffers, never the image.
+    // Box 1 is visible, its children are not, as they do not fill it. It is opened in one frame and
+    // found hidden, its own box is tested in the next frame, and so on. This costs time, and never
+    // changes the image.
     const Hierarchy tree = row_tree(2);
     ScriptedDevice device(
         {.boxes = visible_subjects({NodeId{0u}, NodeId{1u}, NodeId{2u}, NodeId{5u}})});
@@ -358,7 +358,8 @@ TEST(ChcPlusPlus, ANodeThatComesBackIntoTheFrustumHasNoHistory)
     device.clear_trace();
     culler.cull(look_ahead(), device);
     EXPECT_EQ(device.trace_text().find("frame 7\nquery [0]\n"), 0u) << device.trace_text();
-    EXPECT_EQ(device.trace_text().find("query [4 2]"), std::string::npos); // tested singly again
+    EXPECT_EQ(device.trace_text().find("query [4 2]"),
+              std::string::npos); // tested on its own again
 }
 
 TEST(ChcPlusPlus, TwoViewsOverOneHierarchyDoNotDisturbEachOther)

@@ -43,8 +43,8 @@ TEST(Chc, LaterFramesTestOnlyVisibleLeavesAndTheHiddenBoundary)
     Chc culler{tree};
     culler.cull(look_ahead(), device);
     culler.cull(look_ahead(), device);
-    // Nodes 0 and 1 are visible inner nodes: opened untested. 3 is drawn at once, its test is for
-    // later; 4 and 2 are the hidden boundary; 5 and 6 below it are not asked.
+    // Nodes 0 and 1 are visible inner nodes: opened untested. 3 is drawn at once, and its test is
+    // for a later frame. 4 and 2 are the hidden boundary; 5 and 6 below it are not tested.
     EXPECT_EQ(device.frame_text(1), "query [3]\nflush\ndraw 0\npoll 3 -> 1000\n"
                                     "query [4]\nflush\npoll 4 -> 0\n"
                                     "query [2]\nflush\nwait 2 -> 0\n");
@@ -86,7 +86,7 @@ TEST(Chc, AVisibleLeafFoundHiddenIsTestedBeforeItIsDrawnAgain)
     culler.cull(look_ahead(), device);
     device.script().boxes = visible_subjects({});
     culler.cull(look_ahead(), device);
-    EXPECT_EQ(culler.drawn_items().size(), 1u); // drawn while its test was under way
+    EXPECT_EQ(culler.drawn_items().size(), 1u); // drawn while its test is under way
     EXPECT_FALSE(CullerProbe::visible(culler, NodeId{3u}));
     culler.cull(look_ahead(), device);
     EXPECT_EQ(device.frame_text(2), "query [0]\nflush\nwait 0 -> 0\n");
@@ -94,7 +94,7 @@ TEST(Chc, AVisibleLeafFoundHiddenIsTestedBeforeItIsDrawnAgain)
 
 TEST(Chc, NodesOutsideTheFrustumAreNotTraversed)
 {
-    // The printed listing would traverse them: its `else` stands one level too far left.
+    // The listing as printed would traverse them: its `else` is one level too far to the left.
     const Hierarchy tree = row_tree(2);
     ScriptedDevice device;
     Chc culler{tree};

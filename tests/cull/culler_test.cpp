@@ -1,5 +1,5 @@
-// What Culler promises for every algorithm: hierarchies that stay where they are, frames that end
-// in the middle, tickets that nobody asks for any more.
+// What Culler guarantees for every algorithm: with hierarchies that stay in place, frames that end
+// in the middle, and tickets whose answers nobody needs.
 #include <occlude/cull/culler.h>
 
 #include "support/box_scene.h"
@@ -48,7 +48,7 @@ static_assert(kNoneTakesATemporary<Adaptive, BatchAndWait, Chc, ChcPlusPlus, Fru
 static_assert(!std::is_invocable_v<decltype(make_culler), const char*, Hierarchy,
                                    std::span<const OptionValue>, SecondsClock>);
 
-#if !OCCLUDE_ASSERTS // asserting builds stop: it is a caller's bug
+#if !OCCLUDE_ASSERTS // a caller's bug: builds with assertions stop
 TEST(Culler, OverAHierarchyThatWasMovedAwayDrawsNothingUntilThereIsAnother)
 {
     Hierarchy tree = test::row_tree(1);
@@ -143,8 +143,8 @@ enum class Afterwards { nothing, reset, smaller_tree };
 
 class DrawThatThrows : public testing::TestWithParam<Afterwards> {};
 
-// Every exact algorithm, a throw at each of the first draws and tests of the third frame: the next
-// frame shows what drawing everything shows, and the device's contract holds throughout.
+// Every exact algorithm, with an exception at each of the first draws and tests of the third frame.
+// The next frame shows the full image, and the device contract holds throughout.
 TEST_P(DrawThatThrows, LeavesTheNextFrameRight)
 {
     const std::vector<ItemBounds> many = test::random_boxes(150, 8, 24.0f, 9.0f);
@@ -226,7 +226,7 @@ TEST(TicketLedger, KnowsTheTicketsThatAreUnspent)
     EXPECT_TRUE(ledger.unspent().empty());
 }
 
-// --- what oracles were told ----------------------------------------------------------------------
+// --- what oracles hear ---------------------------------------------------------------------------
 
 TEST(Opt, DrawsEverythingIfTheTreeIsAnotherThanTheRecordedOne)
 {
@@ -265,7 +265,7 @@ TEST(Ideal, IgnoresAnOwnerThatIsNoItemOfTheTree)
 
 // --- messages ------------------------------------------------------------------------------------
 
-// The names of what `culler` says in two frames of `view` on `device`.
+// The names of the messages of `culler` in two frames of `view` on `device`.
 std::string names_of_messages(Culler& culler, QueryDevice& device, const View& view)
 {
     std::string names;

@@ -1,6 +1,6 @@
-// What must hold after every frame of every algorithm that reads depth instead of asking tests: the
-// counterpart of invariants_test.cpp, over a device whose depth is made up but consistent: it only
-// ever comes nearer within a frame. (The image itself is in exactness_test.cpp.)
+// What must hold after every frame of every algorithm that reads depth instead of issuing tests:
+// the counterpart of invariants_test.cpp. The device's depth is made up but consistent: within a
+// frame it only comes nearer. (exactness_test.cpp checks the image.)
 #include <occlude/cull/registry.h>
 #include <occlude/screen/depth_tiles.h>
 #include <occlude/screen/projection.h>
@@ -77,7 +77,7 @@ std::vector<Case> all_cases()
     return all;
 }
 
-// True for those that test boxes by their faces, and not only by their rectangles.
+// True for algorithms that test the faces of boxes, and not only their rectangles.
 bool tests_faces(const Case& c)
 {
     return c.algorithm != "lazy_grid" ||
@@ -101,7 +101,8 @@ protected:
     }
     std::unique_ptr<Culler> make() const { return make(tree_); }
 
-    // Everything drawn covers its box's rectangle at its farthest depth, but for a free stripe.
+    // Each drawn item covers the rectangle of its box at the farthest depth of the box, but for a
+    // free stripe.
     DeviceScript script(const ScriptedDevice& device)
     {
         DeviceScript script;
@@ -159,7 +160,7 @@ TEST_P(DepthInvariants, TheContractHoldsAndTheReportAgreesWithACountFromOutside)
     for (uint64_t frame = 0; frame < 20; ++frame) {
         view_ = camera(frame);
         FrameCounters told = culler->cull(view_, device).counters;
-        told.nodes_visited = 0; // only the algorithm can know these two
+        told.nodes_visited = 0; // only the algorithm knows these two
         told.cells_asked = 0;
         EXPECT_EQ(told, device.frame());
     }
@@ -206,7 +207,7 @@ TEST_P(DepthInvariants, EveryItemIsDrawnOrBehindPixelsOrOutsideAndTheLogSaysWhic
             }
         }
     }
-    // The scene is evidence: both outcomes are frequent.
+    // Both outcomes are frequent, so that the scene is evidence.
     EXPECT_GT(drawn, (drawn + hidden) / 10);
     EXPECT_GT(hidden, (drawn + hidden) / 10);
 }
@@ -264,7 +265,7 @@ TEST_P(DepthInvariants, OddHierarchiesAreHarmless)
         }
         const std::set<ItemId> drawn(culler->drawn_items().begin(), culler->drawn_items().end());
         if (items.size() == odd.size()) {
-            EXPECT_TRUE(drawn.contains(ItemId{3u})); // the unknown and the unbounded always are
+            EXPECT_TRUE(drawn.contains(ItemId{3u})); // unknown and unbounded boxes are always drawn
             EXPECT_TRUE(drawn.contains(ItemId{4u}));
             EXPECT_FALSE(drawn.contains(ItemId{5u}));
         }

@@ -1,5 +1,5 @@
-// A culler beside the reference on the exact CPU device, for tests of invariant I6: the image of an
-// exact algorithm equals that of drawing everything in the frustum.
+// Runs a culler beside the reference on the exact CPU device, for tests of invariant I6: the image
+// of an exact algorithm equals that of drawing everything in the frustum.
 #pragma once
 
 #include "support/all_methods_device.h"
@@ -124,11 +124,11 @@ struct Case {
     TestMethod method = TestMethod::queries;
     bool flags = false; ///< some items are translucent, some never cull, some never occlude
     bool culls = true;  ///< must draw visibly less than what is in the frustum
-    /// What an item claims to cost, to those who ask whether a test pays.
+    /// The triangles that an item claims to have, by which algorithms decide whether a test pays.
     uint32_t triangles_claimed = 12;
 };
 
-/// Exact by default, and decides by tests what to draw.
+/// True if the algorithm is exact by default, and decides by tests what to draw.
 inline bool culls_exactly(const AlgorithmInfo& info)
 {
     return info.exact && !info.needs.visible_set && info.name != "frustum";
@@ -180,7 +180,7 @@ inline void expect_exact(const Case& setup)
         drawn += (*culler)->drawn_items().size();
         in_frustum += reference.drawn_items().size();
     }
-    // The scene is evidence: something is hidden, and something is not.
+    // Expects that the scene is evidence: something is hidden, and something is not.
     EXPECT_TRUE(drawn < in_frustum * 19 / 20 || !setup.culls);
     EXPECT_GT(drawn, in_frustum / 20);
     EXPECT_EQ(blended > 1000, setup.flags);

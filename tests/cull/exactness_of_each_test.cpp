@@ -1,4 +1,4 @@
-// Invariant I6 for each algorithm, with each of its parts switched.
+// Invariant I6 for each algorithm, with each value of its options.
 #include "cull/exactness.h"
 
 #include <gtest/gtest.h>
@@ -79,7 +79,7 @@ TEST(Exactness, TwoPhaseWithEachPartSwitched)
     }
 }
 
-// Items of twelve triangles are not worth a query: these claim to have more.
+// A query for items of twelve triangles does not pay: these claim to have more.
 constexpr uint32_t kWorthATest = 3000;
 
 TEST(Exactness, AdaptiveByEveryMethodOnEveryHierarchy)
@@ -244,8 +244,8 @@ TEST(Exactness, LazyGridInEveryClipConventionAndSize)
     }
 }
 
-// Items that are never culled are drawn before everything else, however far they are: a covered
-// pixel hides nothing then. `lazy_grid` used to say so all the same.
+// Items that are never culled are drawn first, however far they are. A pixel that they cover need
+// not hide anything, and `lazy_grid` must not count it as a hiding one.
 TEST(Exactness, OfEveryVariantOfLazyGridWithFlaggedItems)
 {
     for (const char* variant : {"z_buffer", "occlusion_buffer"}) {

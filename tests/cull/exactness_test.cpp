@@ -19,7 +19,7 @@ TEST(Exactness, OnEveryHierarchy)
 {
     for (const HierarchyKind& kind : hierarchy_kinds()) {
         for (const AlgorithmInfo& info : algorithms()) {
-            const bool has_own_cells = info.name == "uniform_grid"; // and no use of nodes
+            const bool has_own_cells = info.name == "uniform_grid"; // nodes are not used
             if (culls_exactly(info) && !has_own_cells) {
                 SCOPED_TRACE(info.name + " on " + std::string{kind.name});
                 expect_exact({.algorithm = info.name, .hierarchy = kind.name});
@@ -36,7 +36,8 @@ TEST(Exactness, WithTestsAnsweredByTheDepthPyramid)
             SCOPED_TRACE(info.name);
             std::vector<OptionValue> options;
             if (info.name == "uniform_grid") {
-                options.emplace_back("cell_triangles", "100"); // else three cells hold all
+                options.emplace_back("cell_triangles",
+                                     "100"); // by default three cells hold everything
             }
             expect_exact(
                 {.algorithm = info.name, .options = options, .method = TestMethod::pyramid});
@@ -122,7 +123,7 @@ TEST(Exactness, ARebuiltHierarchyStartsAfresh)
         FrustumCuller reference{tree};
         reference.cull(view, reference_device);
         ASSERT_EQ(picture_of(device), picture_of(reference_device)) << "frame " << frame;
-        EXPECT_EQ(report.frame, frame % 6); // counts again from the rebuild
+        EXPECT_EQ(report.frame, frame % 6); // counting starts again at the rebuild
     }
 }
 
@@ -172,7 +173,7 @@ TEST(Exactness, TheOraclesDrawTheSamePicture)
 TEST(Exactness, OptDrawsWhatStopAndWaitDraws)
 {
     BoxScene scene(test::random_boxes(500, 34, 24.0f, 7.0f));
-    // Items in inner nodes too.
+    // Inner nodes have items, too.
     const Hierarchy tree = find_hierarchy_kind("bsp")->build(scene.bounds, 24);
     CpuDevice device(scene);
     auto stop_and_wait = make_culler("stop_and_wait", tree);

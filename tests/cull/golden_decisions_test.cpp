@@ -1,6 +1,6 @@
-// The decisions of every algorithm on a made-up walk, as one hash each: the same from every
-// compiler, build type and number of threads. A change here is a change of what algorithms decide:
-// promote a new value only with the reason in the commit message.
+// The decisions of every algorithm on a made-up walk, as one hash each. They are the same with
+// every compiler, build type and number of threads. A changed hash means changed decisions: give
+// the reason for a new value in the commit message.
 #include <occlude/cull/registry.h>
 #include <occlude/hierarchy/builders/hierarchy_kinds.h>
 
@@ -39,8 +39,8 @@ uint64_t decisions_of(const std::string& algorithm, const Hierarchy& tree)
     return decisions_on(device, frame, algorithm, tree);
 }
 
-// On a device with every method, where tests pay: the made-up truth for tests of boxes, and tiles
-// of 8x8 pixels, near and far at random, as depth.
+// Decisions on a device with every method, where tests pay. Boxes are answered by the made-up
+// truth; depth is tiles of 8x8 pixels, near and far at random.
 uint64_t decisions_by(const std::string& algorithm, const Hierarchy& tree,
                       std::vector<OptionValue> options)
 {
@@ -74,7 +74,7 @@ struct Golden {
     uint64_t hash;
 };
 
-// One entry per hierarchy and algorithm.
+// One entry for each hierarchy and algorithm.
 constexpr Golden kGolden[] = {
     {"bvh", "frustum", 0x5bd294905829ada},
     {"bvh", "stop_and_wait", 0xddc7de1b56686eea},
@@ -159,7 +159,7 @@ TEST(GoldenDecisions, OfTheAlgorithmsThatReadDepthAreTheSameEverywhereByEveryMet
     }
 }
 
-// A new algorithm without a line here would be free to change.
+// Every algorithm needs a line here: otherwise its decisions could change unnoticed.
 TEST(GoldenDecisions, CoverEveryAlgorithm)
 {
     for (const AlgorithmInfo& info : algorithms()) {
@@ -182,8 +182,8 @@ TEST(GoldenDecisions, DoNotDependOnTheNumberOfThreads)
     }
 }
 
-// All algorithms at once over one tree, each in a thread of its own: under ThreadSanitizer a proof
-// that cullers share nothing but what is const.
+// All algorithms at once over one tree, each in its own thread. ThreadSanitizer then proves that
+// cullers share only const data.
 TEST(GoldenDecisions, DoNotDependOnCullersInOtherThreads)
 {
     std::vector<std::string> names;

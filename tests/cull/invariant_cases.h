@@ -1,5 +1,5 @@
-// Every algorithm with the options that change what it does, on every kind of hierarchy: what
-// invariants_test.cpp runs.
+// The cases of invariants_test.cpp: every algorithm with the options that change its decisions, on
+// every kind of hierarchy.
 #pragma once
 
 #include "support/walks.h"
@@ -94,7 +94,7 @@ inline std::vector<Case> cases_on_every_hierarchy()
     return all;
 }
 
-// True for those that test the cells of a grid of their own instead of nodes.
+// True for algorithms that test the cells of their own grid instead of nodes.
 inline bool tests_cells(const Case& c)
 {
     return c.algorithm == "uniform_grid" || c.algorithm == "prioritized";
@@ -105,7 +105,8 @@ inline bool has_option(const Case& c, const char* name, const char* value)
     return std::ranges::count(c.options, OptionValue{name, value}) > 0;
 }
 
-// `adaptive`, where it tests on the device: what is visible is tested for frames to come.
+// True for `adaptive` where it tests on the device: the answers for visible nodes are for later
+// frames.
 inline bool tests_for_later_frames(const Case& c)
 {
     return c.algorithm == "adaptive" && !has_option(c, "method", "draw_all") &&
@@ -124,7 +125,8 @@ inline std::vector<Case> cases_with_queries()
     return cases;
 }
 
-// A test for a later frame says nothing if its answer is late: what is drawn first depends on it.
+// Tests for later frames have no consequence until their answers arrive, so that latency changes
+// what is drawn first.
 inline std::vector<Case> cases_that_wait_for_every_answer()
 {
     std::vector<Case> cases = cases_on_every_hierarchy();

@@ -1,6 +1,6 @@
 // What must hold after every frame of every algorithm that tests, whatever the answers and however
-// late they come: invariants I1 to I5, the contract of the device, and decisions that do not depend
-// on latency, threads or compiler. (I6, the image itself, is in exactness_test.cpp.)
+// late they come: invariants I1 to I5, the device contract, and decisions that do not depend on
+// latency, threads or compiler. (I6, the image itself, is in exactness_test.cpp.)
 #include "cull/invariant_cases.h"
 #include "support/visibility_script.h"
 #include "support/walks.h"
@@ -63,10 +63,10 @@ protected:
     uint64_t frame_ = 0;
 };
 
-/// Those whose hidden nodes a test of the device has found.
+/// Algorithms whose hidden nodes are those that a test of the device found hidden.
 class QueryInvariants : public Invariants {};
 
-/// Those that know every answer before the frame ends.
+/// Algorithms that know every answer before the frame ends.
 class LatencyInvariants : public Invariants {};
 
 TEST_P(Invariants, TheDeviceContractHoldsAndNoQueueOutlivesTheFrame)
@@ -132,7 +132,7 @@ TEST_P(QueryInvariants, EveryItemInTheFrustumIsDrawnOrCoveredByATestOfThisFrame)
             (is_in_image ? drawn : hidden) += 1;
         }
     }
-    // The scene is evidence: both outcomes are frequent.
+    // Both outcomes are frequent, so that the scene is evidence.
     EXPECT_GT(drawn, (drawn + hidden) / 10);
     EXPECT_GT(hidden, (drawn + hidden) / 10);
 }
@@ -169,7 +169,7 @@ TEST_P(Invariants, TheReportAgreesWithACountFromOutside)
     for (frame_ = 0; frame_ < kFrames; ++frame_) {
         FrameCounters told = culler->cull(test::rough_walk(frame_), device).counters;
         const FrameCounters& seen = device.frame();
-        told.nodes_visited = 0; // only the algorithm can know these two
+        told.nodes_visited = 0; // only the algorithm knows these two
         told.cells_asked = 0;
         for_each_counter(told, [&](const char* name, uint64_t value) {
             for_each_counter(seen, [&](const char* other, uint64_t expected) {
@@ -249,7 +249,7 @@ TEST_P(Invariants, OddHierarchiesAreHarmless)
             culler->cull(test::rough_walk(frame), device);
         }
         EXPECT_EQ(violations, std::vector<std::string>{});
-        // The unknown and the unbounded are always drawn.
+        // Unknown and unbounded boxes are always drawn.
         const std::set<ItemId> drawn(culler->drawn_items().begin(), culler->drawn_items().end());
         if (items.size() == odd.size()) {
             EXPECT_TRUE(drawn.contains(ItemId{3u}));
@@ -278,7 +278,7 @@ TEST_P(Invariants, AResetForgetsEverything)
         culler->cull(test::rough_walk(0), device);
         std::string text = device.trace_text();
         text = text.substr(text.find('\n') + 1);
-        while (text.starts_with("poll ")) { // of tests that were given up
+        while (text.starts_with("poll ")) { // of abandoned tests
             text = text.substr(text.find('\n') + 1);
         }
         first_frames.push_back(text);

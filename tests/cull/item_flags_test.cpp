@@ -1,4 +1,4 @@
-// Item flags hold for every algorithm alike, because CullFrame sees to them.
+// Item flags work with every algorithm, because CullFrame handles them.
 #include <occlude/cull/oracle_cullers.h>
 #include <occlude/cull/registry.h>
 
@@ -38,7 +38,7 @@ std::unique_ptr<Culler> make(const std::string& name, const Hierarchy& tree)
 TEST(ItemFlags, AHierarchyListsTheItemsDrawnOutOfTurn)
 {
     const Hierarchy tree = flagged_row({{1, ItemFlags::never_cull}, {3, ItemFlags::alpha_tested}});
-    ASSERT_EQ(tree.flagged_items().size(), 1u); // alpha-tested items are drawn as others are
+    ASSERT_EQ(tree.flagged_items().size(), 1u); // alpha-tested items are drawn like others
     EXPECT_EQ(tree.flagged_items()[0].item, ItemId{1u});
     EXPECT_FALSE(test::row_tree(2).has_flags());
 }

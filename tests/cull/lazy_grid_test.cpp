@@ -24,7 +24,7 @@ using Join = LazyGridOptions::Join;
 // 0; 0.9910 at 11, its back; 0.9948 at 19, the front of item 1.
 constexpr float kBackOfItem0 = 0.9911f;
 
-// Depth as if item 0 covered the pixels of `covered` once it is drawn, all else being far.
+// Depth as if item 0 covered the pixels of `covered` once it is drawn. All other pixels are far.
 DeviceScript item_0_covers(const ScriptedDevice& device, PixelRect covered)
 {
     DeviceScript script;
@@ -104,8 +104,8 @@ TEST(LazyGrid, TheFirstFreeCellEndsTheTest)
 
 TEST(LazyGrid, AnUpToDateFreeCellIsTakenBeforeAnOutdatedOne)
 {
-    // Two items beside each other and one behind both: the cells of item 0 are outdated, but those
-    // between the two were never drawn into, so that item 2 is visible without a look at pixels.
+    // Two items beside each other and one behind both. The cells of item 0 are outdated. Nothing
+    // was drawn into the cells between the two, so that item 2 is visible without reading pixels.
     const std::vector<ItemBounds> items{{{{-4, -1, -11}, {-2, 1, -10}}, 1},
                                         {{{2, -1, -12}, {4, 1, -11}}, 1},
                                         {{{-4, -1, -21}, {4, 1, -20}}, 1}};
@@ -118,7 +118,7 @@ TEST(LazyGrid, AnUpToDateFreeCellIsTakenBeforeAnOutdatedOne)
     EXPECT_EQ(report.counters.cells_asked, 0u);
 }
 
-// The defect in the paper's Fig. 3: after a draw the cells hold zmax until somebody asks, and a
+// The defect in the paper's Fig. 3: after a draw the cells hold zmax until they are next read. A
 // border cell with zmax would make every box visible.
 TEST(LazyGrid, ABorderCellThatWasDrawnIntoIsAskedAlthoughItsBoundIsStillTheFarthest)
 {
@@ -126,8 +126,8 @@ TEST(LazyGrid, ABorderCellThatWasDrawnIntoIsAskedAlthoughItsBoundIsStillTheFarth
     EXPECT_EQ(paper.counters.items_drawn, 1u);
 }
 
-// ... and cells that are partly sky hold zmax for good, though the box behind the horizon covers
-// only their other part. Asked as a whole they are known to be partly free.
+// Cells that are partly sky always hold zmax, though the box behind the horizon covers only their
+// other part. When they are tested as a whole, they are known to be partly free.
 TEST(LazyGrid, ABoxBehindTheHorizonOfAPartlyFreeCellIsHidden)
 {
     for (const Variant variant : {Variant::z_buffer, Variant::occlusion_buffer}) {
@@ -168,7 +168,8 @@ TEST(LazyGrid, DrawingMakesCopiedRowsOutdated)
 
 TEST(LazyGrid, TestsThatWaitForEachOtherSeeTheSameDepth)
 {
-    // Nodes 4 and 2 wait and turn out visible; then 5 and 6 wait, with item 1 drawn meanwhile.
+    // Nodes 4 and 2 wait and turn out to be visible. Then 5 and 6 wait, and item 1 is drawn
+    // meanwhile.
     const Outcome together = run({.tests_at_once = 16}, {});
     EXPECT_EQ(together.text, "draw 0\nread_depth 30 30 2x2\nread_depth 30 30 2x2\n"
                              "draw 1\nflush\nread_depth 30 30 2x2\nread_depth 31 31 1x1\n"
@@ -202,8 +203,8 @@ TEST(LazyGrid, JoinedQueriesTestAllCellsInOneBatch)
     EXPECT_EQ(culler.drawn_items().size(), 1u);
 }
 
-// The defect in the paper's sec. 5: from "no pixel of the box passes" it follows only that the
-// pixels are nearer than the box's surface there. What is tested must lie at znear everywhere.
+// The defect in the paper's sec. 5: if no pixel of the box passes, the pixels are only known to be
+// nearer than the box's surface there. A queried rectangle must lie at znear everywhere.
 TEST(LazyGrid, QueriedRectanglesLieAtTheNearestDepthOfTheBoxAndCoverTheCell)
 {
     const Hierarchy tree = row_tree(1);
@@ -259,10 +260,10 @@ TEST(LazyGrid, TwoListsTestABoxBeforeWhatIsNotWhollyInFrontOfItIsDrawn)
         return device.frame_text(0);
     };
     EXPECT_EQ(text({.traversal = Traversal::two_lists}), "draw 1 0\n");
-    // The covered pixels would hide it although item 0 is partly behind it.
+    // By the covered pixels it would be hidden, although item 0 lies partly behind it.
     EXPECT_EQ(text({.variant = Variant::occlusion_buffer, .traversal = Traversal::one_list}),
               "draw 1 0\n");
-    // By depth it may be drawn first; here its pixels are not nearer than item 1.
+    // By depth it may be drawn first. In this order its pixels are not nearer than item 1.
     EXPECT_EQ(text({.traversal = Traversal::one_list}).find("draw 0"), 0u);
 }
 
@@ -296,13 +297,13 @@ TEST(LazyGrid, AWholeBorderCellIsAskedOnceAndRemembered)
     EXPECT_EQ(run_it.counters.cells_asked, 4u);
     const Outcome off = run({.tests_at_once = 1, .whole_cell_share = 0.005});
     EXPECT_EQ(off.counters.pixels_read, 32u);
-    // The part still counts where the whole is not hidden: the horizon.
+    // The part still counts where the whole cell is not hidden: the horizon.
     const Outcome horizon = run({.tests_at_once = 1, .whole_cell_share = 0.003}, {0, 0, 64, 40});
     EXPECT_EQ(horizon.counters.items_drawn, 1u);
 }
 
-// A box to the right of the eye and above it. Of its rectangle, the corner at the upper left and
-// that at the lower right show what is beside it: there, pixels are free after item 0 was drawn.
+// A box to the right of the eye and above it. The box does not cover the upper left and lower right
+// corners of its rectangle. After item 0 is drawn, pixels there are free.
 TEST(LazyGrid, WhereABoxIsNotInItsRectangleFreePixelsDoNotMakeItVisible)
 {
     const std::vector<ItemBounds> items{{{{-2, -2, -6}, {6, 4, -5}}, 100},
@@ -343,7 +344,7 @@ TEST(LazyGrid, LargeBoxesHaveOnlyInternalCells)
     const Outcome run_it = run({.tests_at_once = 1, .internal_above_pixels = 16});
     EXPECT_EQ(run_it.counters.cells_asked, 4u);
     EXPECT_EQ(run_it.counters.pixels_read, 4096u);
-    // Behind the horizon they are then visible: fewer are hidden, the image is the same.
+    // Those behind the horizon are visible then: fewer are hidden, and the image is the same.
     const Outcome horizon = run({.tests_at_once = 1, .internal_above_pixels = 16}, {0, 0, 64, 40});
     EXPECT_GT(horizon.counters.items_drawn, 1u);
 }

@@ -47,7 +47,7 @@ TEST(NextFrame, TestsVisibleObjectsByDrawingThemAndHiddenOnesByTheirBoxes)
     // Frame 0: everything is taken as visible.
     EXPECT_EQ(device.frame_text(0), "draw_and_query 0\ndraw_and_query 1\n");
     culler.cull(look_ahead(), device);
-    // Frame 1: the results of frame 0, then by them.
+    // Frame 1: reads the results of frame 0, then decides by them.
     EXPECT_EQ(device.frame_text(1), "wait item 0 -> 70\nwait item 1 -> 0\n"
                                     "draw_and_query 0\nquery [2]\nflush\n");
     EXPECT_EQ(culler.visible_samples(NodeId{1u}), 70u);
@@ -87,7 +87,7 @@ TEST(NextFrame, VisibleObjectsAreTestedEveryKFramesInTurns)
     EXPECT_EQ(queries, (std::vector<uint64_t>{1, 1, 0, 1, 1, 0}));
 }
 
-// The frames in which item 1 is drawn while it is hidden and its box is visible.
+// Expects the frames in which item 1 is drawn while it is hidden and its box is visible.
 std::string drawn_frames(NextFrameOptions options, int frames)
 {
     const Hierarchy tree = row_tree(1);

@@ -45,7 +45,8 @@ TEST(Registry, EveryOptionTakesItsOwnDefault)
     }
 }
 
-// What "a whole number from 1 to 64" refuses: one less, one more, and what is no number.
+// Values that "a whole number from 1 to 64" refuses: one less, one more, and text that is no
+// number.
 std::vector<std::string> values_outside(const std::string& accepted)
 {
     std::vector<std::string> outside{"-1", "nan", "inf", "1e400", "", "many"};
@@ -106,7 +107,7 @@ TEST(Registry, EveryNumericOptionOfAHierarchyHasARange)
     EXPECT_GT(numbers, 10u);
 }
 
-// 4294967295 levels of nested grids took bad_alloc out of the library.
+// 4294967295 levels of nested grids must not make the library throw bad_alloc.
 TEST(Registry, OptionsSetInCodeAreMovedIntoTheirRange)
 {
     const UniformGridOptions options =
@@ -137,7 +138,7 @@ TEST(Registry, SaysWhichHierarchiesSuitAnAlgorithm)
     EXPECT_TRUE(find_algorithm("uniform_grid")->hierarchies.empty());
 }
 
-// What each algorithm's kTraits promise is what it does.
+// Each algorithm does what its kTraits promise.
 TEST(Registry, TheTraitsOfAnAlgorithmAreTrue)
 {
     const Hierarchy tree = test::random_bvh(300, 5);
@@ -167,7 +168,7 @@ TEST(Registry, TheTraitsOfAnAlgorithmAreTrue)
             unlike_a_fresh_one +=
                 std::ranges::equal(culler->drawn_items(), fresh->drawn_items()) ? 0 : 1;
         }
-        if (info.needs.queries || info.needs.depth_read) { // others use what there is
+        if (info.needs.queries || info.needs.depth_read) { // the others use what is available
             EXPECT_EQ(info.needs.depth_read, counters.depth_reads > 0) << info.name;
         }
         if (!info.remembers) {
@@ -212,7 +213,7 @@ TEST(Registry, AClockIsAskedOnlyByOptionsThatCountInTime)
         return std::exchange(asked, 0);
     };
     for (const AlgorithmInfo& info : algorithms()) {
-        if (info.name != "adaptive") { // it measures by it
+        if (info.name != "adaptive") { // it measures time by it
             EXPECT_EQ(cull(info.name.c_str(), {}), 0) << info.name;
         }
     }
@@ -274,7 +275,8 @@ TEST(DecisionLog, ADecisionMaySpeakOfANodesOwnItemsOrOfOneItemAlone)
 {
     const Hierarchy tree = test::row_tree(2);
     DecisionLog log;
-    log.add(NodeId{1u}, Decision::drawn, DecisionLog::Scope::own_items); // it has none
+    log.add(NodeId{1u}, Decision::drawn,
+            DecisionLog::Scope::own_items); // the node has no items of its own
     log.add(NodeId{2u}, ItemId{3u}, Decision::drawn);
     const std::vector<Decision> expected{Decision::undecided, Decision::undecided,
                                          Decision::undecided, Decision::drawn};

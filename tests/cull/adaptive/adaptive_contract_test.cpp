@@ -1,5 +1,5 @@
-// `adaptive` keeps the contract of the device whatever happens to it: with a clock, over resets,
-// with few tickets, without a pixel, with a clock that is no use, and after a draw that threw.
+// `adaptive` keeps the device contract: with a clock, after resets, with few tickets, in views
+// without a pixel, with a useless clock, and after a draw that threw.
 #include <occlude/cull/adaptive.h>
 #include <occlude/cull/frustum_culler.h>
 
@@ -43,8 +43,8 @@ View walk(uint64_t frame, glm::ivec2 size)
     return test::look({1.0f, 0.5f, 24.0f - t}, {0.3f * t, 0.0f, -60.0f}, size);
 }
 
-// A scene on the CPU device, which takes the time that a model says and has every method; what the
-// validating device says about the calls is collected.
+// A scene on the CPU device. A cost model defines the time of each call, and all test methods are
+// available. `violations` collects what the validating device reports.
 class Rig {
 public:
     explicit Rig(const DeviceCosts& costs = {}, uint32_t max_outstanding = 4096)
@@ -64,7 +64,7 @@ public:
     {
     }
 
-    // Culls, and compares the picture with that of frustum culling.
+    // Culls one frame, and compares its picture with that of frustum culling.
     FrameReport cull(Culler& culler, const View& view)
     {
         const FrameReport report = culler.cull(view, device);
@@ -123,15 +123,15 @@ TEST(AdaptiveContract, HoldsByEveryMethodWhileItMeasures)
         }
         EXPECT_EQ(rig.violations, std::vector<std::string>{});
         EXPECT_GT(rig.hidden, 1000u);
-        if (method == Method::automatic) { // it measured the one while it used the other
+        if (method == Method::automatic) { // it used one method and measured the other
             EXPECT_GT(queries, 0u);
             EXPECT_GT(reads, 0u);
         }
     }
 }
 
-// Looks to one side and then to the other. On each there are plates at the near plane, a wall, and
-// boxes behind the wall; a floor is always seen, so that there is depth to read at once.
+// Looks to one side and to the other in turn. Each side has plates at the near plane, a wall, and
+// boxes behind the wall. A floor is always visible, so that depth can be read at once.
 std::vector<ItemBounds> plates_and_walls()
 {
     std::vector<ItemBounds> items;
@@ -154,7 +154,8 @@ std::vector<ItemBounds> plates_and_walls()
     return items;
 }
 
-// C5: trials take what is to be tested anyway, and much of that touches the near plane.
+// C5: a trial of another method takes tests that are due anyway, and many of these boxes touch the
+// near plane.
 TEST(AdaptiveContract, NoTrialTestsABoxAtTheNearPlane)
 {
     const std::vector<ItemBounds> items = plates_and_walls();
@@ -179,7 +180,7 @@ TEST(AdaptiveContract, NoTrialTestsABoxAtTheNearPlane)
     EXPECT_GT(trials, 2u) << "the case proves nothing";
 }
 
-// C11: rounds, late tests and trials together, on devices of a few tickets.
+// C11: rounds, tests for later frames and trials together, on devices with few tickets.
 TEST(AdaptiveContract, NeverHoldsMoreTicketsThanTheDeviceHas)
 {
     for (const uint32_t tickets : {1u, 2u, 7u, 40u}) {
@@ -221,12 +222,12 @@ TEST(AdaptiveContract, ReadsNothingFromATargetWithoutAPixel)
     }
 }
 
-// --- clocks that are no use ----------------------------------------------------------------------
+// --- useless clocks ------------------------------------------------------------------------------
 
-// The hints of the CPU device know nothing of these costs; a clock would tell.
+// The cost hints of the CPU device differ from these costs. Only a clock would show it.
 TEST(AdaptiveClock, ThatStandsStillIsNoticedAndHintsAreUsed)
 {
-    for (const double tick : {0.0, 0.5}) { // seconds: it stands, or is coarse
+    for (const double tick : {0.0, 0.5}) { // seconds: the clock stands still, or is coarse
         Rig with_clock(expensive_reads());
         Rig without(expensive_reads());
         Adaptive culler{with_clock.tree, {}, [&] {
@@ -272,7 +273,7 @@ TEST(CostMeter, AResetGivesAClockAnotherChance)
     for (int i = 0; i < 2; ++i) {
         meter.check_clock(meter.now_us(), meter.now_us());
     }
-    EXPECT_TRUE(meter.has_clock()); // twice may be chance
+    EXPECT_TRUE(meter.has_clock()); // two in a row may be chance
     EXPECT_EQ(meter.costs().us_per_unit(), learnt);
     meter.check_clock(meter.now_us(), meter.now_us());
     EXPECT_FALSE(meter.has_clock());
@@ -324,7 +325,7 @@ TEST(AdaptiveContract, HoldsInTheFramesAfterADrawThatThrew)
         size_t thrown = 0;
         for (uint64_t frame = 0; frame < 40; ++frame) {
             device.throws = frame % 4 == 3;
-            const View view = walk(7 * frame, {96, 54}); // what was outside comes back
+            const View view = walk(7 * frame, {96, 54}); // the items that were outside come back
             try {
                 culler.cull(view, device);
             } catch (const std::runtime_error&) {

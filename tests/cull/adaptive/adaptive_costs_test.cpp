@@ -1,5 +1,5 @@
-// `adaptive` on devices with other costs than this machine's: on each of them it must keep up with
-// the algorithm that suits it best, and never lose to frustum culling. The clock is the model's.
+// `adaptive` on devices with other costs than this machine's. On each it must keep up with the best
+// algorithm for it, and never lose to frustum culling. The clock is that of the cost model.
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/cull/frustum_culler.h>
 #include <occlude/cull/registry.h>
@@ -55,14 +55,14 @@ View in_the_street(int frame)
     return test::look({0.0f, 1.7f, 60.0f - t}, {8.0f, 1.7f, -100.0f - t}, kSize);
 }
 
-// High above, looking down: nothing hides anything.
+// Looks down from high above: nothing hides anything.
 View from_above(int frame)
 {
     const float t = 0.5f * static_cast<float>(frame);
     return test::look({t, 260.0f, 1.0f}, {t, 0.0f, 0.0f}, kSize);
 }
 
-// A town seen along a path, on a device with these costs: the seconds that each algorithm takes.
+// A walk through a town on a device with these costs: returns the seconds of each algorithm.
 class Model {
 public:
     explicit Model(const DeviceCosts& costs)
@@ -74,7 +74,7 @@ public:
     {
     }
 
-    /// The seconds that all frames but the first take, in which `adaptive` learns. Every image is
+    /// The seconds of all frames but the first ones, in which `adaptive` learns. Every image is
     /// compared with that of frustum culling.
     double seconds(const std::string& algorithm, View (*camera)(int),
                    std::vector<FrameReport>* reports = nullptr)
@@ -83,7 +83,7 @@ public:
         return std::accumulate(each.begin() + kLearningFrames, each.end(), 0.0);
     }
 
-    /// ... and those of each frame, of these and of `frames` more.
+    /// The seconds of each frame: of the frames above, and of `frames` more.
     std::vector<double> frame_seconds(const std::string& algorithm, View (*camera)(int), int frames,
                                       std::vector<FrameReport>* reports = nullptr)
     {
@@ -137,7 +137,7 @@ std::vector<Profile> profiles()
     DeviceCosts expensive_triangles;
     expensive_triangles.per_triangle = 2.0;
     DeviceCosts expensive_reads;
-    expensive_reads.per_depth_read = 50000.0; // reading depth is out of the question
+    expensive_reads.per_depth_read = 50000.0; // far too expensive to read depth
     return {{"free queries", free_queries},
             {"expensive queries", expensive_queries},
             {"late answers", late_answers},
@@ -199,8 +199,8 @@ TEST_P(AdaptiveCosts, LeavesThe99thPercentileWhereNothingIsHidden)
               1.05 * p99(model.frame_seconds("frustum", from_above, kManyFrames)));
 }
 
-// No frame pays for more than one look at what another method would cost: a round of at most 16
-// tests, or one more read-back.
+// No frame pays for more than one measurement of another method: a round of at most 16 tests, or
+// one read-back.
 TEST_P(AdaptiveCosts, MeasuresOneRoundOfOneMethodInAFrame)
 {
     Model model(GetParam().costs);
@@ -209,7 +209,7 @@ TEST_P(AdaptiveCosts, MeasuresOneRoundOfOneMethodInAFrame)
     size_t frames = 0;
     uint64_t queries = 0;
     for (const FrameReport& report : reports) {
-        if (report.plan.kind == FramePlan::Kind::pyramid) { // so that whatever is asked is a look
+        if (report.plan.kind == FramePlan::Kind::pyramid) { // any query is a measurement
             ++frames;
             queries += report.counters.queries;
             EXPECT_LE(report.counters.batches, 1u);
@@ -222,7 +222,8 @@ TEST_P(AdaptiveCosts, MeasuresOneRoundOfOneMethodInAFrame)
     }
 }
 
-// Queries turn out better than read-backs that pay, too. What is known of the view is kept.
+// Read-backs pay here, and queries turn out to be better still. The culler keeps what it knows of
+// the view.
 TEST(AdaptiveMethods, AChangeOfMethodStartsFromTheCutOfTheOther)
 {
     DeviceCosts costs;
@@ -239,7 +240,7 @@ TEST(AdaptiveMethods, AChangeOfMethodStartsFromTheCutOfTheOther)
     ASSERT_NE(changed, reports.end());
     ASSERT_GT(changed - reports.begin(), 2);
     EXPECT_EQ((changed - 1)->plan.kind, FramePlan::Kind::pyramid);
-    // Nothing is decided by a single look: three rounds of each of three kinds.
+    // No single measurement decides: three rounds of each of three kinds are needed.
     EXPECT_EQ(std::count_if(reports.begin(), changed,
                             [](const FrameReport& r) { return r.counters.queries > 0; }),
               9);

@@ -39,7 +39,7 @@ TEST(Adaptive, TestsInRoundsAndStartsFromTheCutOfTheLastFrame)
     ScriptedDevice device(priced(1.0f, {0, 1, 3}));
     Adaptive culler{tree};
     culler.cull(look_ahead(), device);
-    // The first frame draws all and then asks of it, in rounds.
+    // The first frame draws everything and then tests it, in rounds.
     EXPECT_EQ(device.frame_text(0), "draw 0 1 2 3\n"
                                     "query queries [0]\nflush\nwait 0 -> 1000\n"
                                     "query queries [1] [2]\nflush\nwait 1 -> 1000\nwait 2 -> 0\n"
@@ -85,7 +85,7 @@ TEST(Adaptive, WhereTestsCostMoreThanDrawingItIsFrustumCulling)
     EXPECT_EQ(to_string(report.plan).substr(0, 8), "draw_all");
 }
 
-// On a device without depth the first frames are probed, and then few.
+// Without depth, the first frames are probes. Later probes are rare.
 TEST(Adaptive, WhereNothingIsHiddenTheDeviceIsNotAskedInEveryFrame)
 {
     const Hierarchy tree = row_tree(2);
@@ -173,7 +173,7 @@ TEST(CostModel, LearnsTheSlopeOfDrawingNotThePixels)
         costs.record_drawing(64000.0, 5000.0 + 0.5 * 64000.0);
     }
     EXPECT_NEAR(costs.us_per_unit(), 0.5, 1e-9);
-    costs.record_drawing(64000.0, 1e6); // one disturbed frame
+    costs.record_drawing(64000.0, 1e6); // one frame is disturbed
     EXPECT_NEAR(costs.us_per_unit(), 0.5, 1e-9);
 }
 
@@ -200,7 +200,8 @@ TEST(CostModel, LearnsRoundsAndTests)
     EXPECT_EQ(costs.rounds_measured(TestMethod::queries), 1u);
 }
 
-// Reads of 1280x720 whose pixels take `pixels_us`, tiles of 8 `tiles_us` and tiles of 16 half that.
+// Costs of reads of 1280x720: pixels take `pixels_us`, tiles of 8 `tiles_us`, and tiles of 16 half
+// of that.
 DeviceCaps caps_with_tiles(float pixels_us, float tiles_us)
 {
     DeviceCaps caps;

@@ -1,4 +1,4 @@
-// Tickets that nobody wants any more: whoever gives up a test spends its ticket.
+// Tickets whose answers nobody needs: the culler that gives up a test spends its ticket.
 #include <occlude/cull/adaptive.h>
 #include <occlude/cull/next_frame.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using Method = AdaptiveOptions::Method;
 
-// A device that answers late: tests of what is visible stay unspent over frames.
+// A device that answers late: tests of visible nodes stay unspent over frames.
 DeviceScript late_script(uint32_t frames)
 {
     DeviceScript script;
@@ -41,7 +41,7 @@ TEST(AdaptiveTickets, AreSpentAfterAReset)
         ASSERT_LE(device.outstanding(), 200u);
         culler.reset();
     }
-    // In a view of nothing, all are spent as soon as they are answered.
+    // With nothing in view, all tickets are spent as soon as they are answered.
     for (int i = 0; i < 4; ++i) {
         culler.cull(test::look({0, 0, 110}, {0, 0, 200}), device);
     }
@@ -63,7 +63,7 @@ TEST(AdaptiveTickets, AreSpentWhenTheTreeIsReplaced)
         culler.cull(test::look({0, 0, 110}, {0, 0, 200}), device);
     }
     EXPECT_EQ(device.outstanding(), 0u);
-    tree = Hierarchy{}; // an empty one too
+    tree = Hierarchy{}; // an empty batch too
     culler.cull(test::look_ahead(), device);
     EXPECT_EQ(device.outstanding(), 0u);
 }
@@ -86,7 +86,8 @@ TEST(AdaptiveTickets, AreSpentWhenItStopsCulling)
     EXPECT_EQ(device.outstanding(), 0u);
 }
 
-// Other cullers on the device get their answers, however often one is reset that owes its own.
+// One culler is reset again and again while its tests are under way. The other cullers on the
+// device get their answers all the same.
 TEST(AdaptiveTickets, OtherCullersKeepTheirs)
 {
     const Hierarchy tree = test::random_bvh(500, 3);
@@ -100,7 +101,7 @@ TEST(AdaptiveTickets, OtherCullersKeepTheirs)
         if (i % 3 == 2) {
             restless.reset();
         }
-        if (i >= 40) { // by then 200 tickets would be gone
+        if (i >= 40) { // a leak would have used up 200 tickets
             lost += other.cull(view, device).counters.lost_answers;
         }
     }

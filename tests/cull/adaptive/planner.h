@@ -1,4 +1,4 @@
-// Costs for tests of the planner of `adaptive`, from a few prices.
+// Cost models for tests of the planner of `adaptive`, made from a few prices.
 #pragma once
 
 #include <occlude/cull/adaptive/planner.h>
@@ -13,7 +13,7 @@ struct Prices {
     bool same_frame_results = true;
 };
 
-// A round costs 10 us by either method on the device.
+// A round of either method of the device costs 10 us.
 inline CostModel costs_of(const Prices& prices)
 {
     DeviceCaps caps;

@@ -1,5 +1,5 @@
-// The planner of `adaptive` by numbers alone: what it decides for costs and findings that are
-// written down here, frame after frame. (Simulated views: planner_walks_test.cpp.)
+// The planner of `adaptive` by numbers alone: its decisions, frame by frame, for costs and findings
+// that are written down here. (Simulated views: planner_walks_test.cpp.)
 #include "cull/adaptive/planner.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ using State = AdaptivePlanner::State;
 using Outcome = AdaptivePlanner::Outcome;
 using Start = AdaptivePlanner::Start;
 
-// Brings a planner with these options to where it culls by queries.
+// Brings a planner with these options to the state in which it culls by queries.
 AdaptivePlanner culling_by_queries(const CostModel& costs, const AdaptiveOptions& options = {})
 {
     AdaptivePlanner planner{options};
@@ -69,7 +69,7 @@ TEST(Planner, WhatAFirstLookDrewInVainCountsAsHidden)
     planner.start_frame(costs, kNothingKnown);
     planner.judge(costs, {.hidden_units = 100.0, .wasted_units = 1200.0, .spent_us = 1000.0});
     EXPECT_EQ(planner.state(), State::culling);
-    // ... but only then: in the next frame it need not be drawn any more.
+    // Only then: in the next frame the hidden geometry need not be drawn.
     for (int frame = 0; frame < 20 && planner.culls(); ++frame) {
         planner.start_frame(costs, kKnown);
         planner.judge(costs, {.hidden_units = 100.0, .wasted_units = 1200.0, .spent_us = 1000.0});
@@ -170,11 +170,12 @@ TEST(Planner, ChoosesTheCheapestMethodForTheTestsOfTheLastFrame)
     AdaptivePlanner planner{{}};
     planner.start_frame(costs, {.tests_last_frame = 10.0});
     EXPECT_EQ(planner.method(), TestMethod::raster);
-    // 615 against 460: not by enough to switch. 1,015 against 500: switches.
+    // 615 against 460 us: not enough to switch. 1,015 against 500 us: switches.
     EXPECT_FALSE(planner.start_frame(costs, {.tests_last_frame = 600.0}));
     EXPECT_TRUE(planner.start_frame(costs, {.tests_last_frame = 1000.0}));
     EXPECT_EQ(planner.method(), TestMethod::pyramid);
-    // And back only where flags are cheaper by as much: 415 against 440, then 79 against 406.
+    // Switches back only where flags are cheaper by the same margin: 415 against 440 us does not,
+    // 79 against 406 us does.
     EXPECT_FALSE(planner.start_frame(costs, {.tests_last_frame = 400.0}));
     EXPECT_TRUE(planner.start_frame(costs, {.tests_last_frame = 64.0}));
     EXPECT_EQ(planner.method(), TestMethod::raster);
@@ -196,7 +197,7 @@ TEST(Planner, AFewReadBacksDecideNothingUnlessTheyAreFarFromTheirHint)
 
 // --- probes --------------------------------------------------------------------------------------
 
-// Frames until the next probe, all of the same work.
+// Counts the frames until the next probe. All frames have the same work.
 int frames_to_probe(AdaptivePlanner& planner, const CostModel& costs, double units)
 {
     for (int frame = 1; frame < 100000; ++frame) {
@@ -231,12 +232,13 @@ AdaptivePlanner drawing_all(const CostModel& costs, double units, double probe_u
 
 TEST(Planner, ProbesTakeTheirShareOfTheTimeAndBackOffWhileTheyFindNothing)
 {
-    // Frames take 100,000 us, of which 500 are the share of probes: 0.005.
+    // A frame takes 100,000 us. Probes may take 0.005 of it: 500 us a frame.
     const CostModel costs = costs_of({});
     AdaptivePlanner planner = drawing_all(costs, 1e5, 20000.0);
-    // 20,000 us are 40 frames' share, and a fifth of a frame: 128 frames at least, 160 by back-off.
+    // A probe of 20,000 us uses the share of 40 frames, and takes a fifth of a frame. So 128 frames
+    // are the minimum, and back-off makes them 160.
     EXPECT_NEAR(frames_to_probe(planner, costs, 1e5), 160, 1);
-    probe_in_vain(planner, costs, 1e5, 2000.0); // 4 frames' share, backed off to 16
+    probe_in_vain(planner, costs, 1e5, 2000.0); // the share of 4 frames, backed off to 16
     EXPECT_NEAR(frames_to_probe(planner, costs, 1e5), 16, 1);
 }
 
@@ -280,7 +282,7 @@ TEST(Planner, ANodeIsOpenedWhereDrawingItCostsMoreThanTwoTestsOfHiddenNodes)
     EXPECT_DOUBLE_EQ(planner.kept_us(costs), 2.0); // a fifth of a query
     EXPECT_DOUBLE_EQ(planner.cut_prices(costs).min_open_us, 4.0);
     for (int frame = 0; frame < 100; ++frame) {
-        planner.note_sharing(50.0, 50.0); // they share no longer
+        planner.note_sharing(50.0, 50.0); // they cannot share a query any more
     }
     EXPECT_NEAR(planner.cut_prices(costs).min_open_us, 20.0, 0.01);
 }
@@ -290,9 +292,9 @@ TEST(Planner, ATestIsCreditedWithTheFramesForWhichANodeStaysHidden)
     const CostModel costs = costs_of({.query_us = 10.0f});
     const AdaptivePlanner planner = culling_by_queries(costs);
     EXPECT_DOUBLE_EQ(planner.hoped_us(costs, 100.0, 0.5, 0.0), 50.0);
-    // Stays hidden for one frame more: saves 100 us once, and 98 us once more.
+    // Hidden for one frame more: saves 100 us once, and then 98 us.
     EXPECT_DOUBLE_EQ(planner.hoped_us(costs, 100.0, 0.5, 0.5), 0.5 * (100.0 + 98.0));
-    // At most 16 frames ahead, however certain.
+    // Looks at most 16 frames ahead, however certain the prediction.
     EXPECT_DOUBLE_EQ(planner.hoped_us(costs, 100.0, 1.0, 0.9999), 100.0 + 16.0 * 98.0);
 }
 

@@ -1,4 +1,4 @@
-// The planner of `adaptive` on views and devices that a few lines simulate, over many frames.
+// The planner of `adaptive` over many frames of simple simulated views and devices.
 #include "cull/adaptive/planner.h"
 
 #include <gtest/gtest.h>
@@ -71,12 +71,13 @@ TEST(Planner, FollowsAViewThatChangesBetweenOpenAndClosed)
     const CostModel costs = costs_of({});
     const auto hidden = [](int frame) { return frame / 500 % 2 == 0 ? 0.0 : 0.9; };
     const Walk w = walk(costs, 200.0, 2000, hidden);
-    EXPECT_GT(w.culled, 700);  // of 1,000 that are worth it
-    EXPECT_LT(w.culled, 1030); // and few of the others
+    EXPECT_GT(w.culled, 700);  // 1,000 frames are worth it
+    EXPECT_LT(w.culled, 1030); // few other frames are culled
     EXPECT_LT(w.us, 0.7 * 2000 * 10000.0);
 }
 
-// Costs are those of five kinds of devices; hidden work differs: never slower than drawing all.
+// Five kinds of device costs with different hidden work: culling is never slower than drawing
+// everything.
 TEST(Planner, OnSimulatedDevicesItNeverCostsMoreThanDrawingAll)
 {
     for (const float triangle_us : {0.01f, 0.1f, 1.0f}) {

@@ -34,7 +34,7 @@ std::vector<uint32_t> cells_of(const CellGrid& grid, const Hierarchy& tree, uint
 
 TEST(CellGrid, AnItemIsInEveryCellThatItOverlaps)
 {
-    // From 0 to 9 in three cells; item 2 lies across the wall at 3.
+    // From 0 to 9 in three cells. Item 2 straddles the wall at 3.
     const std::vector<ItemBounds> items{on_x(0), on_x(8), on_x(2.5f)};
     const Hierarchy tree = build_bvh(items);
     CellGrid grid;
@@ -43,7 +43,7 @@ TEST(CellGrid, AnItemIsInEveryCellThatItOverlaps)
     EXPECT_EQ(cells_of(grid, tree, 0), std::vector<uint32_t>{0});
     EXPECT_EQ(cells_of(grid, tree, 1), std::vector<uint32_t>{2});
     EXPECT_EQ(cells_of(grid, tree, 2), (std::vector<uint32_t>{0, 1}));
-    // Around what is in the cell, not its walls.
+    // Bounds enclose the contents of the cell, and not its walls.
     EXPECT_EQ(grid.cells()[2].box, items[1].box);
     EXPECT_NEAR(grid.cells()[1].box.min.x, 3.0f, 1e-4f);
     EXPECT_LE(grid.cells()[1].box.min.x, 3.0f);
@@ -114,7 +114,8 @@ TEST(CellGrid, BoundsThatChangeMakeNewCellsAndOthersDoNot)
     EXPECT_NE(grid.cells()[0].box, before);
 }
 
-// Uniform and nested grids over n such items used to have n^2 and n^3 overlaps: 400 took 553 MB.
+// Overlaps must not grow as n^2 (uniform grids) or n^3 (nested grids) with n items that overlap one
+// another.
 TEST(CellGrid, ItemsThatOverlapOneAnotherAreInFewCellsEach)
 {
     std::vector<ItemBounds> items;
@@ -130,9 +131,9 @@ TEST(CellGrid, ItemsThatOverlapOneAnotherAreInFewCellsEach)
         for (const CellGrid::Cell& cell : grid.cells()) {
             overlaps += grid.items(cell).size();
         }
-        EXPECT_LE(overlaps, 66'000u) << levels << " levels"; // 2^16, or 32 for each item
+        EXPECT_LE(overlaps, 66'000u) << levels << " levels"; // at most 2^16, or 32 for each item
         EXPECT_GE(overlaps, 2000u);
-        EXPECT_GE(grid.cells().size(), 16u); // it still is a grid
+        EXPECT_GE(grid.cells().size(), 16u); // it is still a grid
     }
 }
 

@@ -69,7 +69,7 @@ TEST(Multiquery, AGroupThatIsHalvedWhereItFailsMayBeLarger)
     EXPECT_EQ(multiquery_value(64, 0.49, 4), 0.0);
 }
 
-// Whatever the size, halving a failed group in which one node shows comes down to that node.
+// Halving a failed group with one visible node, of any size, finds that node.
 TEST(Multiquery, TheHalvesOfAFailedGroupEndInSingleNodes)
 {
     for (size_t count = 2; count < 100; ++count) {

@@ -113,7 +113,8 @@ TEST(HierarchyCut, TheOwnItemsOfANodeCountAmongItsParts)
     EXPECT_FALSE(cut.entries()[0].is_item());
 }
 
-// What is outside may be chosen more often than what is hidden: nodes with both wait for the rarer.
+// Nodes outside may be chosen more often than hidden ones. A node with parts of both kinds waits
+// for the rarer choice.
 TEST(HierarchyCut, NodesAreAskedIfTheStatesOfAllPartsAreChosen)
 {
     const Hierarchy tree = test::row_tree(2);

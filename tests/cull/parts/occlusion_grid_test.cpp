@@ -41,7 +41,7 @@ TEST(OcclusionGrid, InternalCellsAreThoseWhollyInTheRectangle)
     EXPECT_EQ(grid.touched({31, 0, 67, 32}).end, glm::ivec2(4, 1));
     EXPECT_EQ(internal({31, 0, 67, 32}).begin, glm::ivec2(1, 0));
     EXPECT_EQ(internal({31, 0, 67, 32}).end, glm::ivec2(3, 1));
-    // To the edge of the target the cut-off cell is wholly in it.
+    // At the edge of the target the cell is cut off, and wholly covered.
     EXPECT_EQ(internal({31, 0, 69, 32}).end, glm::ivec2(4, 1));
     // Within one cell, or across a seam: none, not a negative number.
     for (const PixelRect& rect : {PixelRect{33, 33, 5, 5}, PixelRect{30, 0, 4, 64}, PixelRect{}}) {
@@ -81,7 +81,7 @@ TEST(OcclusionGrid, DrawingMakesATouchedCellUnknownButKeepsItsBound)
     EXPECT_EQ(grid.cell({0, 0}).zfar, 0.5f);
     EXPECT_EQ(grid.cell({0, 0}).known_free, 0.5f);
     grid.mark_drawn({0, 0, 33, 32});
-    EXPECT_EQ(grid.cell({0, 0}).zfar, 0.5f); // things drawn can only bring it nearer
+    EXPECT_EQ(grid.cell({0, 0}).zfar, 0.5f); // draws can only bring it nearer
     EXPECT_EQ(grid.cell({0, 0}).known_free, OcclusionGrid::kUnknown);
     EXPECT_FLOAT_EQ(grid.cell({0, 0}).covered, 1.5f);
     EXPECT_FLOAT_EQ(grid.cell({1, 0}).covered, 1.0f / 32.0f);
