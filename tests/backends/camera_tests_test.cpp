@@ -1,6 +1,6 @@
-// What exactness rests on, without any algorithm: draw everything, then test the box of every item.
-// The box of an item that owns a sample must be seen, under every projection, at every distance
-// from the origin and in every unit, by every device and test method.
+// The base of exactness, without any algorithm: draw everything, then test the box of every item.
+// The box of an item that owns a sample must be visible: under every projection, at every distance
+// from the origin, in every unit, with every device and test method.
 #include "backends/owner_scene.h"
 
 #include <occlude/backends/cpu/cpu_device.h>
@@ -16,7 +16,7 @@ using test::Projection;
 
 constexpr glm::ivec2 kSize{97, 61};
 
-/// What the tests of some frames answered.
+/// Counts of the answers of some frames.
 struct Tally {
     size_t owners = 0; ///< boxes of items that own a sample
     size_t lost = 0;   ///< of these, answered "hidden": holes in a picture
@@ -167,7 +167,7 @@ TYPED_TEST(CameraTests, NoOwnerOfASampleIsHiddenUnderAnyProjection)
         for (const TestMethod method : TypeParam::methods()) {
             for (const Projection& projection : test::projections_for_images()) {
                 Tally tally;
-                // A narrow view shows few boxes at a time, so that it takes more poses.
+                // A narrow view shows few boxes at a time, so that it needs more poses.
                 for (uint64_t i = 0; i < 6 * test::soak_factor() || (tally.owners <= 20 && i < 60);
                      ++i) {
                     const Pose pose = test::random_pose(rng);
@@ -181,8 +181,8 @@ TYPED_TEST(CameraTests, NoOwnerOfASampleIsHiddenUnderAnyProjection)
     }
 }
 
-// Mirrors, portals and water: the eye close to a plane that leans. Depth varies across the screen
-// there, so that a box must also be moved toward the viewer by what a snap of a vertex changes.
+// Mirrors, portals and water put the eye close to an oblique plane. Depth varies across the screen
+// there, so that a box must also be moved toward the viewer, by what snapping a vertex changes.
 TYPED_TEST(CameraTests, NoOwnerOfASampleIsHiddenUnderAnObliqueNearPlane)
 {
     Rng rng(602);

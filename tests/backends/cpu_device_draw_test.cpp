@@ -50,7 +50,8 @@ TEST(CpuDeviceDraw, EdgesThroughCentresBelongToTheLeftAndTheTopOfTheTriangle)
     scene.add_rectangle({1.5f, 1.5f}, {4.5f, 3.5f}, 0.5f);
     CpuDevice device(scene);
     draw_frame(device, pixel_view({8, 8}), scene.all());
-    // Left column and top row of centres are in, right column and bottom row are out.
+    // Centres on the left column and top row are in; on the right column and bottom row they are
+    // out.
     EXPECT_EQ(picture(device), "........\n"
                                "........\n"
                                "........\n"
@@ -90,7 +91,7 @@ TEST(CpuDeviceDraw, FullScreenRectangleCoversWidthTimesHeight)
     }
 }
 
-// Each triangle alone must cover every sample of a fan in turn exactly once in total.
+// In a fan, the triangles must cover each sample exactly once in total. They are drawn one by one.
 TEST(CpuDeviceDraw, SamplesOnSharedEdgesAreCoveredByExactlyOneTriangle)
 {
     Rng rng(11);
@@ -146,7 +147,7 @@ TEST(CpuDeviceDraw, DegenerateAndBrokenTrianglesDrawNothing)
 TEST(CpuDeviceDraw, VerticesFarOutsideOfTheScreenAreClippedWithoutOverflow)
 {
     TestScene scene;
-    // Half planes: the whole left half of the screen, from triangles of a size beyond the integers.
+    // Half planes: the whole left half of the screen, from triangles too large for the integers.
     scene.add_triangle({8.0f, -1e12f, 0.5f}, {8.0f, 1e12f, 0.5f}, {-1e12f, 0.0f, 0.5f});
     CpuDevice device(scene);
     draw_frame(device, pixel_view({16, 16}), scene.all());
@@ -158,7 +159,7 @@ TEST(CpuDeviceDraw, VerticesFarOutsideOfTheScreenAreClippedWithoutOverflow)
 TEST(CpuDeviceDraw, MirroredTransformDrawsTheMirrorImage)
 {
     TestScene scene;
-    // No sample on an edge: there the mirror image may differ.
+    // No sample lies on an edge: the mirror image may differ for those.
     scene.add_triangle({1.0f, 1.125f, 0.25f}, {6.25f, 2.0f, 0.5f}, {2.125f, 7.0f, 0.75f});
     CpuDevice device(scene);
     draw_frame(device, pixel_view({8, 8}), scene.all());

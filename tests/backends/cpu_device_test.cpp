@@ -127,10 +127,10 @@ TEST(CpuDevice, EdgeOnFlatBoxesAreSeenOnceInflated)
     CpuDevice device(scene);
     const View view = perspective_view({0, 0, 0}, {0, 0, -1}, {64, 64}, kOpenGl);
     device.begin_frame(view);
-    // Edge-on in the plane of the eye: a line on the screen, through no sample even if inflated ...
+    // Edge-on in the plane of the eye: a line on the screen, through no sample even if inflated.
     const Aabb edge_on{{0, -1, -6}, {0, 1, -4}};
     EXPECT_EQ(test_box(device, edge_on).state, AnswerState::ready);
-    // ... but one that lies on a column of samples is found, and the line and the point likewise.
+    // A box that lies on a column of samples is found. So are a line and a point there.
     const float x = 5.0f * std::tan(glm::radians(30.0f)) / 64.0f; // half a pixel at distance 5
     for (const Aabb& box : {Aabb{{x, -1, -5}, {x, 1, -5}}, Aabb{{x, x, -5}, {x, x, -5}}}) {
         EXPECT_GT(test_box(device, view.inflated_for_test(box)).samples, 0u);
@@ -216,8 +216,8 @@ TEST(CpuDevice, TestsWriteNothing)
     device.end_frame();
 }
 
-// Rule R2: whatever an item shows, its inflated box is counted at each of those samples, against
-// the depth of everything else and against its own depth as well (R3).
+// Rule R2: at each sample that shows an item, its inflated box is counted too: against the depth of
+// everything else, and against its own depth (R3).
 TEST(CpuDevice, InflatedBoxCountsAtLeastTheSamplesThatItsContentsShow)
 {
     int shown = 0;

@@ -16,8 +16,8 @@ struct Hit {
     double depth = 1.0;
 };
 
-// The nearest triangle on the ray through a window position, by solving for the ray in double; it
-// shares nothing with the rasteriser.
+// The nearest triangle on the ray through a window position, found by solving for the ray in
+// double. It shares no code with the rasteriser.
 Hit brute_force(const TestScene& scene, const View& view, glm::dvec2 pixel)
 {
     const glm::dmat4 clip_from_world{view.clip_from_world()};
@@ -66,7 +66,8 @@ Hit brute_force(const TestScene& scene, const View& view, glm::dvec2 pixel)
 
 TEST(CpuDeviceDraw, AgreesWithRayCastingInDouble)
 {
-    // What snapping by half of 1/256 px may change, with room: the ray at the corners around.
+    // The most that snapping by half of 1/256 px may change, with a margin: rays at the corners
+    // around.
     const glm::dvec2 nudges[] = {
         {0.004, 0.004}, {-0.004, 0.004}, {0.004, -0.004}, {-0.004, -0.004}};
     int compared = 0;
@@ -114,7 +115,7 @@ TEST(CpuDeviceDraw, AgreesWithRayCastingInDouble)
 // The same on every compiler and in every build type: a golden hash of depths and owners.
 TEST(CpuDeviceDraw, DrawsTheSameBitsEverywhere)
 {
-    // Literals and RNG only: library functions such as tan are allowed to differ.
+    // Literals and RNG only: library functions such as tan may differ.
     Rng rng(5);
     TestScene scene;
     for (int i = 0; i < 60; ++i) {

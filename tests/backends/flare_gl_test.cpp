@@ -10,7 +10,7 @@ constexpr glm::ivec2 kScreen{128, 96};
 
 class FlareGlTest : public GlFixture {
 protected:
-    // Slides a wall past the lights; the worst difference from what exactly is seen.
+    // Slides a wall past the lights. Returns the worst difference from the exact visible share.
     double worst_error()
     {
         make_scene(kScreen, 1);
@@ -61,7 +61,7 @@ TEST_F(FlareGlTest, WithFourSamplesPerPixelTheRatioIsTheSame)
     const ItemId half = scene->add_quad({0.0f, -30.0f}, {30.0f, 30.0f}, -20.0f);
     const View view = test::look({0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}, kScreen);
     FlareVisibility flares({.max_latency = 1});
-    // The first is cut in half, the second hidden, the third seen.
+    // The first is cut in half, the second is hidden, the third is visible.
     const std::vector<FlareLight> lights{{{0.0f, 0.0f, -40.0f, 1.0f}, 12.0f},
                                          {{20.0f, 0.0f, -40.0f, 1.0f}, 12.0f},
                                          {{-20.0f, 0.0f, -40.0f, 1.0f}, 12.0f}};

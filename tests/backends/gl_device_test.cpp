@@ -180,7 +180,8 @@ TEST_F(GlDeviceTest, BoxesAcrossTheFarPlaneAreVisible)
 
 TEST_F(GlDeviceTest, WallLyingOnItsOwnBoxIsVisible)
 {
-    // R3, at many distances, flat and tilted: the box of what was just drawn must be seen.
+    // R3, at many distances, flat and tilted: the box of a mesh that was just drawn must be
+    // visible.
     const View view = perspective_view({641, 359});
     make_scene({641, 359}, 1);
     Rng rng(7);
@@ -211,8 +212,8 @@ TEST_F(GlDeviceTest, FlatBoxOnItsOwnWallIsVisibleWithoutInflation)
 
 TEST_F(GlDeviceTest, TiltedFlatBoxOnItsOwnWallIsVisibleAlmostEverywhere)
 {
-    // The wall comes in world space, the box through a matrix: depths differ in their last bits,
-    // and the bias must cover that at all distances.
+    // The wall comes in world space, the box through a matrix. Their depths differ in the last
+    // bits, and the bias must cover that at all distances.
     make_scene({320, 240}, 1);
     const View view = perspective_view({320, 240});
     Rng rng(5);

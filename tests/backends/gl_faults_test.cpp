@@ -1,4 +1,4 @@
-// Whatever the engine, the context or the driver does: nothing hangs, nothing is hidden, and each
+// Faults of the engine, the context and the driver: nothing hangs, nothing is hidden, and each
 // fault is reported once.
 #include "backends/gl_fixture.h"
 
@@ -8,7 +8,7 @@
 namespace occlude {
 namespace {
 
-// Puts another function in place of one of OpenGL while it lives: libepoxy calls through pointers.
+// Replaces one OpenGL function while it lives: libepoxy calls through pointers.
 template <class Function>
 class Instead {
 public:
@@ -47,7 +47,7 @@ protected:
         }
     }
 
-    // Asks every method about a visible box: none may answer "hidden".
+    // Tests a visible box with every method: none may answer "hidden".
     void expect_nothing_hidden(const View& view = kFlatView)
     {
         device->begin_frame(view);
@@ -63,7 +63,7 @@ protected:
         device->end_frame();
     }
 
-    // ... and all of them lose it.
+    // All of them lose it.
     void expect_all_lost(const View& view = kFlatView)
     {
         device->begin_frame(view);
@@ -140,7 +140,7 @@ TEST_F(GlFaultsTest, AnotherContextOrNoneLosesAllTestsAndTouchesNothing)
     }
     expect_all_lost(); // no context at all
     EXPECT_EQ(heard, (Names{"gl.other_context", "gl.no_context"}));
-    device.reset(); // leaves its objects alone
+    device.reset(); // does not delete its objects
     ASSERT_TRUE(context_->make_current());
     std::swap(device, *made);
     expect_nothing_hidden();

@@ -129,7 +129,7 @@ void main() { result = color; })");
         glEnable(GL_DEPTH_TEST);
         glDepthFunc(view_.convention().order == DepthOrder::near_is_large ? GL_GREATER : GL_LESS);
         glDisable(GL_DEPTH_CLAMP);
-        glEnable(GL_CULL_FACE); // on, so that forgetting to turn it off for boxes shows
+        glEnable(GL_CULL_FACE); // on: a device that forgets to turn it off for boxes is noticed
         glFrontFace(GL_CCW);
         glDisable(GL_BLEND);
         glDisable(GL_STENCIL_TEST);
@@ -175,7 +175,7 @@ private:
         glFramebufferRenderbuffer(GL_FRAMEBUFFER, point, GL_RENDERBUFFER, buffer.name());
     }
 
-    /// All triangles, item after item.
+    /// Draws all triangles, item after item.
     struct Triangles {
         GlBuffer buffer;
         GlVertexArray vertex_array;
@@ -203,7 +203,7 @@ inline constexpr Aabb kRight{{0.25f, -0.25f, 0.2f}, {0.75f, 0.25f, 0.4f}};
 inline constexpr glm::vec2 kLow{-1.0f};
 inline constexpr glm::vec2 kHigh{1.0f};
 
-/// Three tests: of the left box, of the left and the right one, of the left one again.
+/// Three tests: of the left box, of both boxes, and of the left box again.
 struct Unions {
     std::array<QueryBox, 4> boxes{
         {{kLeft, nullptr, {}}, {kLeft, nullptr, {}}, {kRight, nullptr, {}}, {kLeft, nullptr, {}}}};

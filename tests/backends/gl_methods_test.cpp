@@ -1,5 +1,5 @@
-// The test methods `raster` and `pyramid` of the OpenGL device: they answer 0, or 1 for "some",
-// never 0 where queries see a sample, and keep tickets as queries do.
+// The test methods `raster` and `pyramid` of the OpenGL device. They answer 0, or 1 for "some".
+// They never answer 0 where queries see a sample, and they handle tickets as queries do.
 #include "backends/gl_fixture.h"
 
 #include <occlude/core/rng.h>

@@ -1,5 +1,5 @@
-// The state of OpenGL that tests change and need: docs/devices.md lists it, and these tests hold
-// the list against the device.
+// The OpenGL state that tests change and need. docs/devices.md lists it, and these tests compare
+// the device with that list.
 #include "backends/gl_fixture.h"
 #include "support/source_dir.h"
 
@@ -30,7 +30,7 @@ std::string integers(GLenum name, size_t count)
 #name, integers(name, count)                                                               \
     }
 
-// All of it that an engine may rely on and a device of this kind could touch.
+// All the state that an engine may rely on and that a device of this kind could change.
 State state_now()
 {
     State state{STATE(GL_CURRENT_PROGRAM, 1),
@@ -104,7 +104,7 @@ std::set<std::string> documented(const std::string& heading)
 
 class GlStateTest : public GlFixture {
 protected:
-    // Unlike the device's defaults in everything.
+    // Every value differs from the device's defaults.
     static void set_unusual_state()
     {
         glDisable(GL_DEPTH_TEST);
@@ -184,7 +184,7 @@ TEST_F(GlStateTest, TheEngineIsAskedToPrepareOnceBetweenDrawingAndTests)
     }
 }
 
-// A mistake of an engine in its state, and the message that must name it.
+// One mistake in an engine's state, and the message that must name it.
 struct Mistake {
     const char* message;
     void (*make)();
@@ -233,7 +233,7 @@ TEST_F(GlStateTest, TheFirstTestAfterADrawNamesEveryMistakeInTheState)
         scene->after_draw = mistake.make;
         for (int frame = 0; frame < 2; ++frame) {
             device->begin_frame(kFlatView);
-            device->wait(ask(kMiddle)); // all is well as yet
+            device->wait(ask(kMiddle)); // no mistake yet
             device->draw({}, DrawPass::shade);
             device->wait(ask(kMiddle));
             device->end_frame();

@@ -36,8 +36,8 @@ protected:
         return answer.samples;
     }
 
-    // Every tile size gives the farthest of the pixels that read_depth gives, or rounding farther:
-    // shaders and reads convert the whole numbers of a 24-bit buffer differently.
+    // For every tile size, a tile is the farthest of the pixels that read_depth gives, or farther
+    // by rounding: shaders and reads convert the whole numbers of a 24-bit buffer differently.
     void expect_tiles_of(const std::vector<float>& depth)
     {
         for (const DepthReadCost& read : device->caps().depth_reads) {
@@ -56,7 +56,7 @@ protected:
         }
     }
 
-    // Draws a quad over the lower left quarter of the view and looks at it in every way.
+    // Draws a quad over the lower left quarter of the view and reads its depth with every method.
     void expect_lower_left_quarter(float tolerance = 0.0f)
     {
         const ItemId quad = scene->add_quad(kLow, {0.0f, 0.0f}, 0.0f);
@@ -198,7 +198,7 @@ protected:
                 view({-t, t}, {83, 53}, {61, 33})};
     }
 
-    // The target after all views of some frames, culled by `name`.
+    // The target after all views of some frames, culled by algorithm `name`.
     std::vector<uint32_t> colors_by(const std::string& name, std::vector<OptionValue> options)
     {
         const Hierarchy tree = build_bvh(bounds, {.max_leaf_items = 1, .leaf_triangles = 0});

@@ -61,7 +61,7 @@ TEST(GlDeviceCreation, NoCurrentContextIsAnError)
 {
     auto context = HeadlessContext::create();
     ASSERT_TRUE(context);
-    context->reset(); // nothing is current any more
+    context->reset(); // no context is current
     EmptyScene scene;
     const auto device = GlDevice::create(scene);
     ASSERT_FALSE(device);

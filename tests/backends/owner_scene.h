@@ -1,4 +1,4 @@
-// Boxes on either device, with the owner of every sample: what tests of any algorithm rest on.
+// Boxes on either device, with the owner of every sample, for tests of all algorithms.
 #pragma once
 
 #include "backends/gl_fixture.h"

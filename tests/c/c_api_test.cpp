@@ -1,5 +1,5 @@
-// Every algorithm does through the C interface what it does in C++, decision by decision; and the C
-// interface refuses what has no meaning with a sentence.
+// Every algorithm makes the same decisions through the C interface as in C++. The C interface
+// refuses invalid arguments with a sentence.
 #include "c/c_fixture.h"
 
 #include <occlude/cull/oracle_cullers.h>
@@ -28,7 +28,7 @@ TEST_P(SameInC, AnAlgorithmDrawsTheSameItemsWithTheSameCounters)
     ASSERT_TRUE(culler);
 
     const HierarchyInC tree_in_c{items};
-    // Without a clock of the caller's "adaptive" takes the system's.
+    // Without a clock from the caller, "adaptive" uses the system's.
     std::vector<occlude_option> options;
     if (GetParam() == "adaptive") {
         options.push_back({"measure", "false"});

@@ -66,7 +66,7 @@ TEST(CApi, AViewHasAllThatAViewHasInCpp)
     ASSERT_EQ(occlude_culler_cull(culler.culler, &view, &device.functions, nullptr), OCCLUDE_OK);
     EXPECT_EQ(culler.drawn(), drawn);
 
-    // Depth clamp: what lies between the eye and the near plane is in the frustum.
+    // Depth clamp: geometry between the eye and the near plane is in the frustum.
     occlude_item before{{-0.01f, -0.01f, -0.06f}, {0.01f, 0.01f, -0.05f}, 12, 0};
     const HierarchyInC one{{&before, 1}};
     const CullerInC culler_of_one{"frustum", one};
@@ -132,8 +132,8 @@ TEST(CApi, FaultsAreToldOnceByNameAndInASentence)
     EXPECT_EQ(occlude_culler_release(culler.culler, nullptr), OCCLUDE_INVALID_ARGUMENT);
 }
 
-// The layout is what bindings rely on. A change here needs a new OCCLUDE_C_ABI_VERSION, or at the
-// end of a struct none.
+// Bindings rely on this layout. A change needs a new OCCLUDE_C_ABI_VERSION, unless it appends to
+// the end of a struct.
 TEST(CApi, StructsHaveTheLayoutOfVersionOne)
 {
     EXPECT_EQ(sizeof(occlude_item), 32u);

@@ -149,7 +149,7 @@ inline std::vector<occlude_item> in_c(std::span<const ItemBounds> bounds)
     return items;
 }
 
-/// A hierarchy through C, given back at the end.
+/// Creates a hierarchy through C, and destroys it at the end.
 struct HierarchyInC {
     explicit HierarchyInC(std::span<const occlude_item> items, const char* kind = "bvh")
     {

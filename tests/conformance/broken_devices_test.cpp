@@ -1,4 +1,4 @@
-// The suite finds what it is for: devices that break one rule each are named by that rule.
+// The conformance suite finds defects: devices that break one rule each are reported by that rule.
 #include <occlude/conformance/conformance.h>
 #include <occlude/core/ticket_table.h>
 #include <occlude/device/forwarding_device.h>
@@ -16,7 +16,7 @@ namespace {
 using conformance::check_device;
 using test::CpuHost;
 
-/// Passes everything on; each broken device overrides what it breaks.
+/// Passes every call on. Each broken device overrides the calls that it breaks.
 class Forwarding : public ForwardingDevice {
 public:
     explicit Forwarding(QueryDevice& inner)
@@ -44,7 +44,7 @@ void expect_named(std::string_view rule, const conformance::Options& options = {
         << to_string(report);
 }
 
-// Reduces to the nearest depth of a tile, as a bound for occluders would.
+// Reduces tiles to their nearest depth, which would suit bounds for occluders.
 class NearestTiles final : public Forwarding {
 public:
     using Forwarding::Forwarding;
@@ -86,7 +86,7 @@ TEST(BrokenDevices, ATestThatMissesTheDrawsBeforeItIsUseless)
     expect_named<DrawsLate>("useful");
 }
 
-// Runs tests when their answers are asked for: they see draws that came after them.
+// Runs tests when their answers are requested, so that tests see draws that came after them.
 class TestsLate final : public Forwarding {
 public:
     using Forwarding::Forwarding;
@@ -140,7 +140,7 @@ TEST(BrokenDevices, ATestThatSeesLaterDrawsBreaksC2)
     expect_named<TestsLate>("C2");
 }
 
-// Every n-th answer is 0, whatever it was.
+// Every n-th answer is 0, whatever the true one is.
 class CallsVisibleHidden final : public Forwarding {
 public:
     using Forwarding::Forwarding;
@@ -159,7 +159,7 @@ TEST(BrokenDevices, AVisibleBoxThatIsCalledHiddenBreaksC3)
     expect_named<CallsVisibleHidden>("C3");
 }
 
-// The boxes of a test are drawn like geometry: items that fill them stand there afterwards.
+// Draws the boxes of a test like geometry, so that they stay in the image.
 class TestsWriteDepth final : public Forwarding {
 public:
     using Forwarding::Forwarding;
@@ -224,7 +224,7 @@ TEST(BrokenDevices, IgnoredTransformsBreakC6)
     expect_named<IgnoresTransforms>("C6");
 }
 
-// Gives the last answer again for a ticket that is spent, as a recycled query object does.
+// Gives the last answer again for a spent ticket, as a recycled query object does.
 class RemembersSpentTickets final : public Forwarding {
 public:
     using Forwarding::Forwarding;
@@ -284,7 +284,7 @@ TEST(BrokenDevices, AWaitThatAnswersPendingBreaksC9)
     expect_named<WaitsWithoutPatience>("C9");
 }
 
-// Says that it has fewer tickets than it gives out.
+// Reports fewer tickets than it gives out.
 class GivesOutTooManyTickets final : public Forwarding {
 public:
     explicit GivesOutTooManyTickets(QueryDevice& inner)

@@ -18,7 +18,8 @@ namespace {
 using conformance::check_device;
 using test::CpuHost;
 
-/// Conforms, and the check was evidence: it saw both hidden and visible boxes.
+/// Expects that the device conforms, and that the check was evidence: it saw hidden and visible
+/// boxes.
 void expect_conforms(conformance::Host& host, const conformance::Options& options = {})
 {
     const conformance::Report report = check_device(host, options);
@@ -70,8 +71,8 @@ TEST(Conformance, TheCostModelDevice)
     expect_conforms(host);
 }
 
-// The suite asks for spent and invented tickets on purpose, and for one test too many: C7 and C11.
-// Of everything else the validator must stay silent, so the suite itself keeps the contract.
+// The suite deliberately uses spent and invented tickets, and one test too many: C7 and C11. The
+// validator must report nothing else, which shows that the suite itself keeps the contract.
 TEST(Conformance, TheValidatingDeviceFindsOnlyWhatTheSuiteBreaksOnPurpose)
 {
     std::vector<std::string> found;

@@ -14,7 +14,7 @@
 
 namespace occlude::test {
 
-/// Boxes that can be exchanged.
+/// Boxes that can be replaced.
 class ChangingBoxes final : public CpuScene {
 public:
     void set(std::span<const Aabb> boxes)

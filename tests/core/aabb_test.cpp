@@ -42,7 +42,7 @@ TEST(Aabb, NanAnywhereIsUnknownAndNeverEmptyOrBounded)
             EXPECT_FALSE(box.is_empty());
             EXPECT_EQ(sanitized(box), Aabb::everything());
 
-            // The unknown is not nothing, even where another axis is inverted.
+            // An unknown box is not an empty one, even where another axis is inverted.
             box.min[(axis + 1) % 3] = 5.0f;
             EXPECT_FALSE(box.is_empty());
         }
@@ -198,7 +198,7 @@ TEST(Aabb, TransformedContainsEveryImageAndIsTight)
 
 TEST(Aabb, TransformedContainsImageUnderCancellation)
 {
-    // x + y - z cancels to far below the rounding of its terms.
+    // x + y - z cancels to far less than the rounding of its terms.
     glm::mat4 m{1.0f};
     m[0][0] = 1.0000001f;
     m[1][0] = 3333333.3f;

@@ -12,7 +12,7 @@ using test::Projection;
 
 constexpr glm::ivec2 kSize{1280, 720};
 
-// The same camera, handed over both ways: the same frustum, keys and answers.
+// The same camera, passed in both ways, gives the same frustum, keys and answers.
 TEST(View, CameraRelativeIsTheSameCamera)
 {
     Rng rng(71);
@@ -31,14 +31,14 @@ TEST(View, CameraRelativeIsTheSameCamera)
             EXPECT_NEAR(relative.distance_key(box), key, 1e-3f * (1.0f + std::abs(key)));
             EXPECT_EQ(relative.frustum().classify(box), absolute.frustum().classify(box));
             EXPECT_EQ(relative.touches_near(box), absolute.touches_near(box));
-            // Drawn in world coordinates, positions round more.
+            // Positions drawn in world coordinates round more.
             EXPECT_LE(relative.inflation().margin(box), absolute.inflation().margin(box) * 1.0001f);
         }
     }
 }
 
-// 1e7 units away, float counts in steps of 1 and the matrix of the world moves the camera by as
-// much. Relative to the eye nothing of that is left but the rounding of the boxes.
+// 1e7 units away, floats are 1 apart and the matrix to world coordinates moves the camera by as
+// much. Relative to the eye, only the rounding of the boxes is left.
 TEST(View, CameraRelativeKeepsItsPrecisionFarFromTheOrigin)
 {
     const glm::dvec3 eye{1e7 + 0.25, -3e6 + 0.5, 2e6 - 0.125};
@@ -57,8 +57,9 @@ TEST(View, CameraRelativeKeepsItsPrecisionFarFromTheOrigin)
     EXPECT_GT(View::from_clip(glm::mat4{world}, kSize).inflation().margin(box), 10.0f);
 }
 
-// The eye lies between two floats there. What touches the near rectangle does so at any distance
-// from zero: the same boxes and the same eye, 1e7 units nearer to zero, say what is right.
+// The eye lies between two floats there. Whether a box touches the near rectangle must not depend
+// on the distance from zero. The same boxes and the same eye, 1e7 units nearer to zero, give the
+// expected answer.
 TEST(View, CameraRelativeKnowsTheNearRectangleFarFromTheOrigin)
 {
     Rng rng(88);

@@ -10,7 +10,7 @@ TEST(SteadySecondsClock, NeverGoesBackAndMovesWithinAFrame)
     const SecondsClock clock = steady_seconds_clock();
     const double start = clock();
     double last = start;
-    while (last - start < 1e-3) { // a test that hangs here has a clock that stands still
+    while (last - start < 1e-3) { // if this test hangs, the clock stands still
         const double now = clock();
         ASSERT_GE(now, last);
         last = now;

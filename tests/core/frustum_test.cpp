@@ -77,7 +77,7 @@ TEST(Frustum, FourPlanesAtOnceAnswerAsOneByOne)
     for (const Projection& projection : test::all_projections()) {
         const Frustum frustum = Frustum::from_clip(projection.clip_from_eye, projection.convention);
         for (int i = 0; i < 2000; ++i) {
-            // Half of the boxes touch a plane to within rounding.
+            // Half of the boxes touch a plane, but for rounding.
             glm::vec3 center{rng.range(-40.0f, 40.0f), rng.range(-40.0f, 40.0f),
                              rng.range(-110.0f, 20.0f)};
             const float half = i % 5 == 0 ? 0.0f : rng.range(0.0f, 20.0f);
@@ -184,9 +184,9 @@ TEST(Frustum, BoxBeyondFarPlaneIsOutside)
 TEST(Frustum, BigBoxPastACornerIsFalselyCalledIntersecting)
 {
     const Aabb box{glm::vec3{3.0f, -20.0f, -2.5f}, glm::vec3{40.0f, 20.0f, 30.0f}};
-    // Every point has x >= 3 > 2.5 >= -z: right of the right plane, so none is visible ...
+    // Every point has x >= 3 > 2.5 >= -z: right of the right plane, so none is visible.
     EXPECT_EQ(simple().classify(box), Containment::outside);
-    // ... but a box past the edge of two planes is missed by both of them.
+    // A box past the edge of two planes may be beyond neither of them alone.
     const Aabb corner{glm::vec3{-100.0f, 101.0f, -120.0f}, glm::vec3{100.0f, 150.0f, -99.0f}};
     // y <= -z <= 100 inside the frustum, so y >= 101 is never visible.
     EXPECT_EQ(simple().classify(corner), Containment::intersects);

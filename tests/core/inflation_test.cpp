@@ -115,8 +115,8 @@ TEST(Inflation, InflationIsEnoughInTinyAndHugeScenes)
     }
 }
 
-// An off-centre and very wide frustum: rows of x and w are far from perpendicular, so that the
-// length of the row says little about how far a pixel is.
+// An off-centre and very wide frustum. Its rows of x and w are far from perpendicular, so that the
+// length of the row says little about the size of a pixel.
 TEST(Inflation, InflationIsEnoughUnderAWideOffCentreFrustum)
 {
     const Projection wide{"wide off-centre",
@@ -125,9 +125,9 @@ TEST(Inflation, InflationIsEnoughUnderAWideOffCentreFrustum)
     check_pixels(wide, 50.0f, {512, 512}, 65);
 }
 
-// The proof of docs/conventions.md, in long double: at constant w, window depth changes by no more
-// than depth_bias over the 1/64 pixel that boxes grow by, in any direction; and under an oblique
-// near plane it does change.
+// The proof of docs/conventions.md, in long double. At constant w, window depth changes by at most
+// depth_bias over the 1/64 pixel that boxes grow by, in any direction. Under an oblique near plane
+// it does change.
 TEST(Inflation, DepthBiasIsWhatOne64thOfAPixelCanChange)
 {
     using Real = long double;
@@ -183,8 +183,8 @@ TEST(Inflation, DepthBiasIsWhatOne64thOfAPixelCanChange)
     EXPECT_EQ(tilted, 1);
 }
 
-// Far from the origin, drawn in world coordinates: positions transformed in float, as a device does
-// it, differ from those in long double by no more than clip_rounding() says, and not by much less.
+// Far from the origin, drawn in world coordinates. Positions transformed in float, as a device does
+// it, differ from those in long double by no more than clip_rounding(), and not by much less.
 TEST(Inflation, ClipRoundingBoundsWhatFloatDoes)
 {
     using Real = long double;
@@ -198,7 +198,7 @@ TEST(Inflation, ClipRoundingBoundsWhatFloatDoes)
                                              glm::translate(glm::dmat4{1.0}, -glm::dvec3{away})};
             const View view = View::from_clip(clip, kSize, projection.convention);
             if (!view.usable()) {
-                continue; // float left no near plane: nothing is hidden there
+                continue; // rounding to float leaves no near plane: nothing is hidden there
             }
             for (int i = 0; i < 500; ++i) {
                 const glm::vec3 p =

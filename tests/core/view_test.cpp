@@ -85,8 +85,8 @@ TEST(View, KeepsWhatItWasMadeFrom)
 }
 
 // Rule R1: the near rectangle's corners are farther than its middle. At 150 degrees and 16:9 they
-// are 7.68 near distances away, so a box beside the eye that a test of the near *distance* lets
-// through is cut by the near rectangle.
+// are 7.68 near distances away. A box beside the eye can be beyond the near *distance* and be cut
+// by the near rectangle all the same.
 TEST(View, BoxAtTheCornerOfAWideNearRectangleTouches)
 {
     const View view = down_z(150.0f, 1.0f);
@@ -320,7 +320,7 @@ TEST(View, IgnoringTheNearPlaneKeepsWhatIsBeforeIt)
     EXPECT_FALSE(keeping.touches_near(across));
     EXPECT_EQ(keeping.frustum().classify(cube({0.0f, 0.0f, -90.0f}, 1.0f)), Containment::outside);
 
-    // Perspective: only what is around the eye touches; nothing behind it is seen.
+    // Perspective: only boxes around the eye touch; nothing behind the eye is visible.
     const glm::mat4 perspective = glm::perspectiveRH_NO(1.0f, 1.5f, 2.0f, 100.0f);
     const View view = View::from_clip(perspective, kSize, {}, clamped);
     EXPECT_NE(view.frustum().classify(cube({0.0f, 0.0f, -1.0f}, 0.2f)), Containment::outside);

@@ -1,4 +1,4 @@
-// Shapes: items whose boxes are seen while the boxes they consist of are not.
+// Shapes: items whose bounding box is visible while the boxes of their shape are not.
 #include <occlude/cull/adaptive.h>
 #include <occlude/cull/parts/depth_tests.h>
 #include <occlude/cull/registry.h>
@@ -27,9 +27,9 @@ using test::look_ahead;
 
 constexpr float kFree = 1.0f;
 
-// An item, another before it that is always seen, and a depth that is near to the left of a pixel
-// column and free from there on. The picture is 64 pixels wide and looks ahead: at distance 10,
-// column 32 + 3.2 x is at x.
+// An item and another one before it that is always visible. The depth is near to the left of a
+// pixel column, and free from there on. The picture is 64 pixels wide and looks ahead: at distance
+// 10, column 32 + 3.2 x is at x.
 class Shapes : public ::testing::TestWithParam<const char*> {
 protected:
     Shapes()
@@ -64,7 +64,7 @@ protected:
         tree_.set_shapes(&shapes_);
     }
 
-    // After two frames of looking, is it drawn?
+    // True if the item is drawn after two frames.
     bool drawn(std::vector<OptionValue> options = {}, const View& view = look_ahead())
     {
         if (GetParam() == std::string_view{"adaptive"}) {
@@ -89,8 +89,8 @@ protected:
     std::optional<ScriptedDevice> device_;
 };
 
-// An upright bar to the left and a lying one at the bottom: seen only above the lying one and
-// beside the upright one, where nothing is.
+// An upright bar to the left and a horizontal one at the bottom. The box is visible only above the
+// horizontal bar and beside the upright one, where the item has no part.
 const Shape kL{{{-1.0f, -1.0f, -10.5f}, {-0.6f, 1.0f, -10.0f}},
                {{-1.0f, -1.0f, -10.5f}, {1.0f, -0.6f, -10.0f}}};
 
@@ -124,7 +124,7 @@ TEST_P(Shapes, TheyStandWhereTheirItemStands)
         box.min.z += 10.0f;
         box.max.z += 10.0f;
     }
-    give_shape(own, half_turn); // an upright bar to the right, a lying one at the top
+    give_shape(own, half_turn); // an upright bar to the right, a horizontal one at the top
     wall_to_ = 31;
     wall_up_to_ = 31;
     EXPECT_TRUE(drawn());
@@ -135,7 +135,8 @@ TEST_P(Shapes, TheyStandWhereTheirItemStands)
     EXPECT_TRUE(drawn());
 }
 
-// A bar that lies across its box: the box of its own space is thin where the world's is wide.
+// A bar that lies diagonally in its box: the box in its own space is thin where the world's is
+// wide.
 TEST_P(Shapes, AreTestedAsBoxesThatAreTurned)
 {
     const Shape bar{{{-1.2f, -0.05f, -0.05f}, {1.2f, 0.05f, 0.05f}}};
@@ -175,7 +176,8 @@ TEST_P(Shapes, APartAtTheEyeIsSeenWhateverTheDepth)
     const Aabb around_eye{glm::vec3{-0.5f}, glm::vec3{0.5f}};
     give_shape({kL[0], around_eye});
     EXPECT_TRUE(drawn());
-    give_shape({{glm::vec3{-5.0f, -5.0f, -11.0f}, glm::vec3{5.0f, -4.0f, 5.0f}}}); // behind it, too
+    give_shape(
+        {{glm::vec3{-5.0f, -5.0f, -11.0f}, glm::vec3{5.0f, -4.0f, 5.0f}}}); // also behind the eye
     EXPECT_TRUE(drawn());
     give_shape({Aabb::everything()});
     EXPECT_TRUE(drawn());
@@ -207,8 +209,8 @@ TEST_P(Shapes, UnderAMapWithoutAnInverseTheyAreSeen)
 
 // --- on the CPU device: the picture --------------------------------------------------------------
 
-// Objects that are open frames: four bars around nothing, each a box of twelve triangles, turned
-// and stretched any way. They turn on in every frame, and some make room for others.
+// Objects that are open frames: four bars around a hole, each a box of twelve triangles, turned and
+// stretched at random. They turn in every frame, and some of them are replaced by others.
 class Frames final : public CpuScene {
 public:
     explicit Frames(uint32_t count)

@@ -42,7 +42,7 @@ std::vector<uint32_t> tested(const ScriptedDevice& device, uint64_t frame)
     return nodes;
 }
 
-// Runs frames until `node` is tested again after frame 0; the seconds that this took.
+// Runs frames until `node` is tested again after frame 0, and returns the seconds between.
 double seconds_to_next_test(Statistical& culler, ScriptedDevice& device, NodeId node, double& now,
                             double step)
 {
@@ -170,7 +170,7 @@ TEST(Statistical, ANodeIsTestedLessOftenTheMoreOftenItWasVisible)
         {.base_time = 1.0f, .history = 2, .max_age = 9.0f, .spread = 0.0f, .time = Time::clock},
         [&now] { return now; }};
     culler.cull(look_ahead(), device);
-    // 1.5 s after one visible result, 1.75 s after two, and not more: two count.
+    // 1.5 s after one visible result, 1.75 s after two. Only the last two results count.
     const double step = 0.125;
     EXPECT_DOUBLE_EQ(seconds_to_next_test(culler, device, NodeId{0u}, now, step), 1.5);
     EXPECT_DOUBLE_EQ(seconds_to_next_test(culler, device, NodeId{0u}, now, step), 1.75);
@@ -187,11 +187,11 @@ TEST(Statistical, AHiddenResultAmongTheKeptOnesShortensThePause)
         {.base_time = 1.0f, .history = 2, .max_age = 9.0f, .spread = 0.0f, .time = Time::clock},
         [&now] { return now; }};
     culler.cull(look_ahead(), device);
-    seconds_to_next_test(culler, device, NodeId{0u}, now, 0.125); // visible twice
+    seconds_to_next_test(culler, device, NodeId{0u}, now, 0.125); // visible two times
     device.script().boxes = visible_subjects({});
     EXPECT_DOUBLE_EQ(seconds_to_next_test(culler, device, NodeId{0u}, now, 0.125), 1.75);
     EXPECT_TRUE(culler.drawn_items().empty());
-    // Hidden: tested in every frame, so that it is drawn in the first frame that sees it.
+    // Hidden: tested in every frame, so that it is drawn in the first frame in which it is visible.
     EXPECT_DOUBLE_EQ(seconds_to_next_test(culler, device, NodeId{0u}, now, 0.125), 0.125);
     device.script().boxes = {};
     EXPECT_DOUBLE_EQ(seconds_to_next_test(culler, device, NodeId{0u}, now, 0.125), 0.125);
@@ -213,7 +213,7 @@ TEST(Statistical, StatisticsThatAreTooOldAreForgotten)
     device.clear_trace();
     culler.cull(look_ahead(), device);
     EXPECT_EQ(culler.drawn_items().size(), 1u);
-    // As after a first result: had the two old ones counted, it would be 1.875 s.
+    // As after a first result: if the two old results counted, it would be 1.875 s.
     EXPECT_DOUBLE_EQ(seconds_to_next_test(culler, device, NodeId{0u}, now, 0.125), 1.5);
 }
 
@@ -261,7 +261,7 @@ TEST(Statistical, OnASmoothPathItAsksAtMostHalfOfWhatStopAndWaitAsks)
     }
     EXPECT_LE(2 * asked.queries, baseline.queries);
     EXPECT_LE(10 * asked.state_changes, baseline.state_changes);
-    // What turned hidden is drawn for a while more.
+    // Items that turn hidden are drawn for some frames more.
     EXPECT_GE(asked.triangles_drawn, baseline.triangles_drawn);
     EXPECT_LE(asked.triangles_drawn, 4 * baseline.triangles_drawn);
 }

@@ -24,8 +24,8 @@ namespace {
 using test::look;
 using test::look_ahead;
 
-/// A scene of objects that stand anywhere, turned and scaled. Object i has `parts` items; each is a
-/// pyramid or a box that fills its local box.
+/// A scene of objects that stand anywhere, turned and scaled. Object i has `parts` items. Each item
+/// is a pyramid or a box that fills its local box.
 class Objects final : public CpuScene {
 public:
     struct Object {
@@ -141,7 +141,8 @@ Motion random_motion(Rng& rng, float spread)
     return motion;
 }
 
-// 150 objects fly, turn and pass through each other, some come and go; every picture is compared.
+// 150 objects fly, turn and pass through each other; some appear and disappear. Every picture is
+// compared.
 void expect_exact_in_motion(const TwoLevelOptions& tree_options,
                             const std::vector<OptionValue>& options, const glm::vec3& center)
 {
@@ -186,7 +187,7 @@ void expect_exact_in_motion(const TwoLevelOptions& tree_options,
         const View view = look(eye, center, {129, 83});
         reference.cull(view, reference_device);
         const FrameReport report = culler->cull(view, checked);
-        ASSERT_EQ(report.frame, frame); // relinking does not make it forget
+        ASSERT_EQ(report.frame, frame); // it remembers over a relinking
         ASSERT_TRUE(std::ranges::equal(device.depth(), reference_device.depth()))
             << "frame " << frame;
         for (size_t i = 0; i < device.depth().size(); ++i) {

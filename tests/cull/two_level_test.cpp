@@ -114,7 +114,7 @@ TEST(TwoLevel, AHiddenNodeIsTestedInEveryFrame)
     }
 }
 
-// Six leaves side by side; which of them are seen is up to the test.
+// Six leaves side by side. The test decides which of them are visible.
 Hierarchy side_by_side()
 {
     std::vector<ItemBounds> items;
@@ -146,7 +146,7 @@ TEST(TwoLevel, LongHiddenNodesShareOneTestWhichIsHalvedIfItFails)
         culler.cull(look_ahead(), device);
         EXPECT_EQ(culler.drawn_items().size(), 1u);
     }
-    // Nothing but the five hidden leaves, in one test, in most frames.
+    // In most frames, one test of the five hidden leaves and nothing else.
     FrameReport report = culler.cull(look_ahead(), device);
     while (report.counters.queries > 1) {
         report = culler.cull(look_ahead(), device);
@@ -155,7 +155,8 @@ TEST(TwoLevel, LongHiddenNodesShareOneTestWhichIsHalvedIfItFails)
     EXPECT_EQ(report.counters.boxes, 5u);
     seen[4] = true;
     report = culler.cull(look_ahead(), device);
-    // Five fail, then three are hidden and two fail, which are tested one by one.
+    // The test of five fails. Then three are hidden, and the test of the other two fails, so that
+    // they are tested one by one.
     EXPECT_EQ(report.counters.multiqueries_failed, 2u);
     EXPECT_EQ(report.counters.queries, 1u + 2u + 2u);
     EXPECT_EQ(culler.drawn_items().size(), 2u);
@@ -176,7 +177,7 @@ TEST(TwoLevel, AnInnerNodeIsTestedAgainOnlyWhenAllItsChildrenAreHidden)
     // The inner nodes above leaves: their boxes are visible, so that the leaves are tested, too.
     const uint64_t queries = culler.cull(look_ahead(), device).counters.queries;
     EXPECT_GT(queries, 6u);
-    EXPECT_LT(queries, 11u); // those above are known to be visible by them
+    EXPECT_LT(queries, 11u); // the visible leaves show that the nodes above are visible
     leaves_seen = true;
     culler.cull(look_ahead(), device);
     EXPECT_EQ(culler.cull(look_ahead(), device).counters.queries, 6u);
@@ -184,7 +185,8 @@ TEST(TwoLevel, AnInnerNodeIsTestedAgainOnlyWhenAllItsChildrenAreHidden)
 
 TEST(TwoLevel, PartsOfDifferentObjectsAreReachedByTheirDistance)
 {
-    // Two long objects side by side, in four parts each: no part of one is behind all of the other.
+    // Two long objects side by side, in four parts each: no part of one is behind all parts of the
+    // other.
     TwoLevelTree tree({.leaf_triangles = 0});
     std::vector<ItemBounds> bounds;
     for (int object = 0; object < 2; ++object) {
