@@ -1,4 +1,4 @@
-// What the tests of the devices share: a camera, boxes in front of it, and calls in one line.
+// Helpers for the tests of the devices: a camera, boxes in front of it, and calls in one line.
 #pragma once
 
 #include <occlude/core/query_device.h>

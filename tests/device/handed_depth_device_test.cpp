@@ -19,7 +19,7 @@
 namespace occlude {
 namespace {
 
-// A wall, and behind it a row of boxes of which the last one looks out at the right.
+// A wall, and behind it a row of boxes. The last box is partly visible at the right.
 std::vector<ItemBounds> wall_and_boxes()
 {
     std::vector<ItemBounds> items{{{{-6.0f, -4.0f, -6.0f}, {2.0f, 4.0f, -5.5f}}, 12}};

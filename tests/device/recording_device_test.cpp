@@ -15,7 +15,7 @@ using test::ask;
 using test::ask_batch;
 using test::draw;
 
-/// Two frames with every verb; returns what the caller learned, as text.
+/// Makes two frames with every verb, and returns the answers to the caller as text.
 std::string run(QueryDevice& device, uint32_t first_item = 0)
 {
     std::ostringstream learned;
@@ -125,8 +125,8 @@ TEST(RecordingDevice, SurvivesSavingAndLoading)
     EXPECT_EQ(saved(*loaded), saved(recording));
 }
 
-// A camera 1e7 units away differs from its neighbour in the origin only: the matrix of the world
-// has no bit left for that.
+// A camera 1e7 units away. It differs from its neighbour in the origin only, because the matrix to
+// world coordinates has no bit left for that.
 TEST(RecordingDevice, KeepsAllThatAViewIsMadeOf)
 {
     const glm::mat4 clip = glm::perspectiveRH_ZO(1.0f, 1.5f, 0.1f, 100.0f);

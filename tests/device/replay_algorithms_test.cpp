@@ -1,4 +1,4 @@
-// Whatever a culler does on a real device, it does again on its recording.
+// A culler makes the same calls on a recording as on the recorded device.
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/cull/registry.h>
 #include <occlude/device/recording_device.h>
@@ -15,7 +15,7 @@
 namespace occlude {
 namespace {
 
-/// Knows where its samples are only when a frame has begun, as an OpenGL device does.
+/// Knows its samples per pixel only after a frame has begun, as an OpenGL device does.
 class LateCapsDevice final : public ForwardingDevice {
 public:
     explicit LateCapsDevice(QueryDevice& inner)
@@ -38,7 +38,7 @@ private:
 
 constexpr uint64_t kFrames = 12;
 
-/// What each frame draws, in order.
+/// The items that each frame draws, in order.
 std::vector<std::vector<ItemId>> walk(Culler& culler, QueryDevice& device)
 {
     std::vector<std::vector<ItemId>> drawn;

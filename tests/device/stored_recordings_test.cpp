@@ -1,6 +1,6 @@
-// Runs that were recorded once and lie in tests/data/recordings/: each repeats bit by bit. One for
-// each way of asking a device (queries, late and lost answers, depth, the boxes of a pyramid, an
-// eye between two floats) and each family of algorithms.
+// Stored runs in tests/data/recordings/: each must repeat bit by bit. There is one for each way of
+// using a device (queries, late and lost answers, depth, the boxes of a pyramid, an eye between two
+// floats) and each family of algorithms.
 #include <occlude/backends/cpu/cpu_device.h>
 #include <occlude/cull/registry.h>
 #include <occlude/device/delaying_device.h>
@@ -93,7 +93,7 @@ View camera(int frame, double distance)
     return View::camera_relative(glm::mat4{clip}, eye, kSize);
 }
 
-/// What all frames drew, in order.
+/// The items that all frames drew, in order.
 std::vector<ItemId> walk(const Stored& stored, const Hierarchy& tree, QueryDevice& device)
 {
     const auto culler = make_culler(stored.algorithm, tree);
@@ -138,22 +138,22 @@ TEST_P(StoredRecordings, RepeatBitByBit)
     ReplayDevice device(*loaded);
     const std::vector<ItemId> drawn = walk(stored, tree, device);
     EXPECT_TRUE(device.complete()) << device.mismatch();
-    // The walk is evidence: something is drawn, and of what frustum culling draws something is not.
+    // The walk is evidence if something is drawn and something in the frustum is not.
     EXPECT_GT(drawn.size(), 3u * kFrames);
     const test::BoxCpuScene scene(items);
     CpuDevice cpu(scene);
     const size_t in_frustum = walk({"", "frustum", {}, {}, stored.distance}, tree, cpu).size();
-    // ... but by some, whose defaults ask little of so small a scene.
+    // Algorithms whose defaults cull little in so small a scene may draw everything.
     constexpr std::array<std::string_view, 4> kMayDrawAll{"frustum", "prioritized", "adaptive",
                                                           "uniform_grid"};
     const bool may_draw_all =
-        stored.method == TestMethod::pyramid || // 16x12 pixels leave a pyramid little to say
+        stored.method == TestMethod::pyramid || // a pyramid over 16x12 pixels hides little
         std::ranges::find(kMayDrawAll, stored.algorithm) != kMayDrawAll.end();
     EXPECT_TRUE(may_draw_all ? drawn.size() <= in_frustum : drawn.size() < in_frustum)
         << drawn.size() << " of " << in_frustum;
 }
 
-// The algorithms ask again what they asked then, and of a real device they hear the same.
+// The algorithms issue the recorded tests again, and a real device gives the recorded answers.
 TEST_P(StoredRecordings, AreWhatTheDeviceAnswersToday)
 {
     const Stored& stored = GetParam();

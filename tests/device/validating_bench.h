@@ -8,7 +8,7 @@
 
 namespace occlude::test {
 
-/// A device under test and the names of the rules that were broken so far.
+/// A device under test, and the names of the rules that it has broken.
 struct Bench {
     explicit Bench(QueryDevice& inner,
                    ValidatingDevice::DepthChecks checks = ValidatingDevice::DepthChecks::off)

@@ -135,8 +135,8 @@ TEST(ValidatingDevice, C4DepthThatCannotBeReadNowAndThenIsNoChange)
     EXPECT_EQ(bench.broken(), "");
 }
 
-// A wall and a box just behind it, seen from 10 units away. What a device that computes in float
-// knows of them gets worse with the distance from the origin.
+// A wall and a box just behind it, seen from 10 units away. A device that computes in float places
+// them less precisely with growing distance from the origin.
 size_t violations_at(float x, bool hidden)
 {
     const glm::vec3 eye{x, 0.0f, 0.0f};
@@ -168,7 +168,7 @@ TEST(ValidatingDevice, C3BlamesNobodyForWhatFloatCannotKnowFarFromTheOrigin)
     }
 }
 
-// Answers that nothing is seen, over a depth buffer that shows the opposite.
+// Answers "hidden" to everything, over a depth buffer that shows the opposite.
 std::string blame_for_a_box_at(float x)
 {
     ScriptedDevice scripted({.boxes = visible_subjects({}), .caps = depth_caps()});

@@ -20,7 +20,7 @@ using test::Bench;
 using test::box_of;
 using test::draw;
 
-/// Answers what a test tells it to, however wrong.
+/// Gives the answers that a test sets, however wrong.
 struct WrongDevice : QueryDevice {
     DeviceCaps wrong_caps{.name = "wrong", .methods = {}};
     Ticket next_ticket{0, 1};

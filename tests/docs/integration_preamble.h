@@ -1,4 +1,4 @@
-// What the snippets of docs/integration.md take for granted: some engine.
+// The engine that the snippets of docs/integration.md assume.
 #include <occlude/backends/gl/gl_device.h>
 #include <occlude/cull/adaptive.h>
 #include <occlude/cull/chc_plus_plus.h>

@@ -219,7 +219,7 @@ TEST(FlareVisibility, TimeComesFromTheClock)
     draw_frame(device, flares, camera());
     draw_frame(device, flares, camera());
     EXPECT_EQ(flares.fraction(0), 0.0);
-    EXPECT_EQ(flares.brightness(0), 1.0); // no time went by
+    EXPECT_EQ(flares.brightness(0), 1.0); // no time has passed
     now += std::log(2.0);
     draw_frame(device, flares, camera());
     EXPECT_NEAR(flares.brightness(0), 0.5, 1e-9);
@@ -282,7 +282,7 @@ TEST(FlareDisc, CoversThePixelsOfTheDiscInEveryProjection)
     }
 }
 
-// Light and box are where float is coarse, and the eye lies between two floats.
+// Light and box lie where floats are coarse, and the eye lies between two floats.
 TEST(FlareDisc, CoversThePixelsOfTheDiscFarFromTheOrigin)
 {
     SlidingWall nothing;

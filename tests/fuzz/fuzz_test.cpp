@@ -1,5 +1,5 @@
-// The corpus, and seeded mutations of it, through every reader: what compilers without libFuzzer
-// can do, and what every test run does. `./dev fuzz` goes on from the same corpus by coverage.
+// Runs the corpus, and seeded mutations of it, through every reader: this needs no libFuzzer and is
+// part of every test run. `./dev fuzz` continues from the same corpus, guided by coverage.
 //
 // OCCLUDE_FUZZ_RUNS in the environment: mutations per target (default 300).
 #include "fuzz/targets.h"
@@ -41,7 +41,7 @@ std::vector<Input> corpus_of(std::string_view target)
     return inputs;
 }
 
-/// A few bytes changed, cut out, doubled, or taken from another input.
+/// Some bytes are changed, cut out, doubled, or taken from another input.
 Input mutated(const std::vector<Input>& corpus, Rng& rng)
 {
     const auto below = [&](size_t count) {
@@ -103,7 +103,7 @@ TEST_P(Fuzz, NeitherTheCorpusNorMutationsOfItCrashAReader)
     for (const Input& input : corpus) {
         target.run(input);
     }
-    // Scenes are read in a process of their own, which costs more.
+    // Scenes are read in a process of their own, which takes longer.
     const size_t count = target.name == "scene" ? runs() / 4 : runs();
     for (size_t i = 0; i < count; ++i) {
         SCOPED_TRACE("mutation " + std::to_string(i) + " of " + std::string{target.name});

@@ -30,7 +30,7 @@ std::string text_of(Bytes bytes)
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// A file of this process, written over and over.
+/// A file that belongs to this process and is overwritten by each input.
 std::string file_of(Bytes bytes, const std::string& ending)
 {
     static const fs::path folder = [] {
@@ -45,8 +45,8 @@ std::string file_of(Bytes bytes, const std::string& ending)
     return file.string();
 }
 
-/// The same with the hash of all bytes before it as the last eight: what a hostile file would have,
-/// and what chance never finds.
+/// The same, with the hash of the preceding bytes as the last eight. Hostile files have a right
+/// hash, and random mutations never find it.
 std::string with_checksum(Bytes bytes)
 {
     constexpr size_t kHashBytes = 8;
@@ -61,7 +61,7 @@ std::string with_checksum(Bytes bytes)
     return text;
 }
 
-/// An error without a sentence is a fault, too.
+/// An error without a sentence is a failure, too.
 template <class T>
 void expect_sentence(const Result<T>& result)
 {
@@ -119,7 +119,7 @@ void scene(Bytes bytes)
     expect_sentence(tools::load_scene(file));
 }
 
-// Nothing runs: an argument that nobody knows comes last.
+// Nothing runs: the last argument is unknown.
 void command_line(Bytes bytes)
 {
     std::istringstream lines{text_of(bytes)};

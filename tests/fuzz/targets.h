@@ -1,5 +1,5 @@
-// Every reader of what somebody else wrote, as a function of bytes that must neither crash, hang
-// nor take memory without limit, whatever the bytes are.
+// Every reader of foreign data, as a function of bytes. Whatever the bytes are, it must not crash,
+// hang or take memory without limit.
 #pragma once
 
 #include <array>

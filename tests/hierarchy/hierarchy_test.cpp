@@ -198,7 +198,7 @@ TEST(Hierarchy, RefitTakesNewBoxesCountsAndFlagsByItemIdAndKeepsTheStructure)
     tree.set_virtual_leaves(111);
     std::vector<ItemBounds> moved = by_item(tree);
     moved[2].box = {glm::vec3{50.0f}, glm::vec3{51.0f}};
-    moved[2].triangles = 77; // the id is another object's now
+    moved[2].triangles = 77; // the id now belongs to another object
     moved[2].flags = ItemFlags::translucent;
     moved[3].box = Aabb::empty();
     moved[4].box.max.z = kNan;
@@ -221,12 +221,12 @@ TEST(Hierarchy, RefitShrinksAsWellAsGrows)
     std::vector<ItemBounds> moved = random_items(3000, 6);
     tree.refit(moved);
     EXPECT_EQ(validate(tree), "");
-    EXPECT_GT(sah_cost(tree), 5.0 * sah_cost(build_bvh(moved))); // the order is another now
+    EXPECT_GT(sah_cost(tree), 5.0 * sah_cost(build_bvh(moved))); // the order has changed
     tree.refit(items);
     EXPECT_TRUE(test::same_tree(tree, build_bvh(items)));
 }
 
-/// `tree` with node `id` changed behind its back.
+/// `tree` with node `id` changed without its knowledge.
 std::string damaged(const std::function<void(Node&)>& damage, uint32_t id, Hierarchy tree)
 {
     damage(const_cast<Node&>(tree.node(NodeId{id})));

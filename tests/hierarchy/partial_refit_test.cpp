@@ -1,4 +1,4 @@
-// Refits of the few items that moved: bit for bit those of all items.
+// Refits of only the moved items equal refits of all items bit for bit.
 #include "hierarchy/scenes.h"
 
 #include <occlude/hierarchy/builders/bvh_builder.h>
@@ -9,7 +9,7 @@
 namespace occlude {
 namespace {
 
-// Every frame some items move, vanish, come back, or become unbounded.
+// In every frame some items move, disappear, come back, or become unbounded.
 void move_some(std::vector<ItemBounds>& items, std::vector<ItemId>& moved, Rng& rng, size_t count)
 {
     moved.clear();

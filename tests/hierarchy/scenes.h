@@ -32,7 +32,7 @@ inline std::vector<ItemBounds> random_items(size_t count, uint64_t seed)
     return items;
 }
 
-/// True if both have the same nodes, items and bounds, whatever their structure versions.
+/// True if both have the same nodes, items and bounds, whatever their structure versions are.
 inline bool same_tree(const Hierarchy& a, const Hierarchy& b)
 {
     const auto same_node = [](const Node& x, const Node& y) {

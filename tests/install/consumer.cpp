@@ -1,4 +1,4 @@
-// The least a user of the installed library does: two objects, a hierarchy, a view.
+// A minimal user of the installed library: two objects, a hierarchy, a view.
 #include <occlude/core/view.h>
 #include <occlude/hierarchy/builders/bvh_builder.h>
 #include <occlude/scene/scene.h>
@@ -15,7 +15,7 @@
 
 namespace {
 
-// A device that sees everything keeps the contract.
+// A device to which everything is visible keeps the contract.
 struct SeesEverything : occlude::conformance::Host {
     occlude::QueryDevice& device() override { return scripted; }
     void set_items(std::span<const occlude::Aabb>) override {}

@@ -16,7 +16,7 @@
 namespace occlude {
 namespace {
 
-// A wall, and behind it a row of boxes of which the last one looks out at the right.
+// A wall, and behind it a row of boxes. The last box is partly visible at the right.
 std::vector<ItemBounds> wall_and_boxes()
 {
     std::vector<ItemBounds> items{{{{-6.0f, -4.0f, -6.0f}, {2.0f, 4.0f, -5.5f}}, 12}};
@@ -55,7 +55,7 @@ TEST(VerifyFrame, AnItemHiddenByABoxThatIsTooSmallIsNamedWithItsNode)
     const test::BoxCpuScene scene(items);
     items[2].box.max.x = 0.0f; // ... and its box does not
     const Hierarchy hierarchy = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 12});
-    // With queries of the device and by its depth.
+    // With the device's queries, and with its depth.
     for (const bool counts : {true, false}) {
         CpuDevice cpu(scene);
         class NoCounts final : public ForwardingDevice {

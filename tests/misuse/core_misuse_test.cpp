@@ -1,4 +1,4 @@
-// As misuse_test.cpp, for the small parts: numbers, boxes, lattices, shapes, lights and results.
+// Like misuse_test.cpp, for the small parts: numbers, boxes, lattices, shapes, lights and results.
 #include "misuse/misuse.h"
 
 #include "support/trees.h"

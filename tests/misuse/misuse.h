@@ -1,5 +1,5 @@
-// What a caller's mistake does: in builds with assertions the handler is called with a sentence, in
-// release builds nothing happens but a safe answer. Both builds run the code after the assertion.
+// A caller's mistake: in builds with assertions the handler is called with a sentence; in release
+// builds the call has a safe result. Both builds run the code after the assertion.
 #pragma once
 
 #include <occlude/core/assert.h>
@@ -12,7 +12,7 @@
 
 namespace occlude::test {
 
-/// Collects the sentences of failed assertions instead of aborting.
+/// Collects the sentences of failed assertions. The process goes on.
 class Mistakes {
 public:
     Mistakes()
@@ -25,8 +25,8 @@ public:
     Mistakes(const Mistakes&) = delete;
     Mistakes& operator=(const Mistakes&) = delete;
 
-    /// That the calls since the last time were noticed, by builds that assert, with a sentence that
-    /// contains `part`; and by others not at all.
+    /// Expects that the calls since the last check were a mistake: builds with assertions report a
+    /// sentence that contains `part`, other builds report nothing.
     void expect(const std::string& part)
     {
 #if OCCLUDE_ASSERTS
@@ -40,7 +40,7 @@ public:
         sentences_.clear();
     }
 
-    /// That the calls since the last time are no mistakes.
+    /// Expects that the calls since the last check were no mistake.
     void expect_none()
     {
         EXPECT_EQ(sentences_, std::vector<std::string>{});

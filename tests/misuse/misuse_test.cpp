@@ -1,5 +1,5 @@
-// Every precondition of the public API that a caller can break without noticing: an assertion with
-// a sentence in debug builds, a safe answer ("visible", or nothing done) in release builds.
+// Every precondition of the public API that a caller can violate unnoticed: debug builds assert
+// with a sentence; release builds have a safe result ("visible", or nothing done).
 #include "misuse/misuse.h"
 
 #include "support/box_scene.h"
@@ -49,7 +49,7 @@ std::vector<ItemBounds> wall_and_boxes()
 
 class EveryAlgorithm : public testing::TestWithParam<std::string> {
 protected:
-    /// Culls three frames and returns how often `item` was drawn.
+    /// Culls three frames and returns how many of them drew `item`.
     static int times_drawn(const Hierarchy& tree, QueryDevice& device, const View& view,
                            ItemId item)
     {
@@ -128,7 +128,7 @@ TEST_P(EveryAlgorithm, DrawsWhatRefitWasNotToldAbout)
     mistakes.expect("refit() needs the bounds of every item");
     CpuDevice device(scene);
     EXPECT_EQ(times_drawn(tree, device, test::look_ahead(), ItemId{7u}), 3);
-    // The same of items that the tree has never seen.
+    // The same for items that are not in the tree.
     const std::array strangers{ItemId{999u}, ItemId{}};
     tree.refit(strangers, items);
     mistakes.expect("a moved item must be in the hierarchy");

@@ -1,5 +1,5 @@
-// What users of other people's culling code complain about: each is a test here. The comment says
-// what goes wrong in a picture or a frame.
+// Complaints of users of other culling code: each is a test here. The comment says what goes wrong
+// in a picture or a frame.
 #include "peers/peers.h"
 
 #include <occlude/backends/cpu/cpu_device.h>
@@ -60,7 +60,7 @@ TEST(Complaints, OrthographicCamerasAreCulledWrongly)
 }
 
 // Objects blinked every other frame: drawn, they hid themselves. Here: camera and scene stand
-// still, and after a while the same items are drawn in every frame.
+// still, and after some frames the same items are drawn in every frame.
 TEST(Complaints, VisibilityFlipsEveryOtherFrameThoughNothingMoves)
 {
     const std::vector<ItemBounds> items = test::random_boxes(300, 21, 20.0f, 8.0f);
@@ -218,9 +218,10 @@ TEST(Complaints, DriversWhoseAnswersComeFramesLate)
     EXPECT_GT(counts.faults, 50u);
 }
 
-// Culling failed two million units from the origin. Here: 1,000 times the size of the world away
-// however it is drawn, and a million times, ten million units, where positions are drawn relative
-// to an eye in double. Boxes grow there by what float leaves open, so that less is found hidden.
+// Culling failed two million units from the origin. Here: it works 1,000 times the size of the
+// world away with every way of drawing. It works a million times the size (ten million units) away
+// where positions are drawn relative to an eye in double. Boxes grow there with the rounding of
+// float, so that fewer items are found hidden.
 TEST(Complaints, CullingFailsFarFromTheOrigin)
 {
     constexpr double kLeastHidden = 0.02;
@@ -274,7 +275,7 @@ TEST(Complaints, LensFlaresBlinkWhereTheTestedRectangleMissesEverySample)
     }
 }
 
-// What needs OpenGL stands in other folders:
+// Tests that need OpenGL are in other folders:
 //   depth of multisampled targets was resolved to the nearest sample, which hides too much
 //     GlDeviceTest.MultisampledTargetsCountSamples,
 //     GlExactness.EveryExactAlgorithmWithAllNumbersOfSamplesThatTheDriverHas

@@ -1,4 +1,4 @@
-// Scenes and checks that the tests of other people's defects share.
+// Scenes and checks for the tests of defects of other code.
 #pragma once
 
 #include "support/box_scene.h"
@@ -49,7 +49,7 @@ inline std::vector<uint32_t> owners_of_everything(const CpuScene& scene, size_t 
     return owners(device);
 }
 
-/// Runs some random worlds changed by `change`; all must pass, and be evidence.
+/// Runs some random worlds changed by `change`. All must pass, and be evidence.
 inline void expect_worlds_pass(const std::function<void(worlds::Spec&)>& change,
                                uint64_t first_seed, double least_hidden = 0.1)
 {

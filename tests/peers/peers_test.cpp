@@ -1,6 +1,5 @@
-// What went wrong in other people's culling code: each is a test here, named after the defect. The
-// comment says what the defect does to a picture or a frame. (complaints_test.cpp: what their users
-// complain about.)
+// Defects of other culling code: each is a test here, named after the defect. The comment says what
+// the defect does to a picture or a frame. (complaints_test.cpp: the complaints of users.)
 #include "peers/peers.h"
 
 #include <occlude/backends/cpu/cpu_device.h>
@@ -44,9 +43,9 @@ TEST(PeerDefects, FinishBeforeEveryPollMakesCoherentCullingStopAndWait)
     }
 }
 
-// A pull-up loop tested an array instead of the entry of its frame, so ancestors of visible nodes
-// stayed "hidden" and were tested again and again. Here: where everything is visible, inner nodes
-// are not tested any more from the second frame on.
+// A pull-up loop tested an array instead of the entry of its frame, so that ancestors of visible
+// nodes stayed "hidden" and were tested in every frame. Here: where everything is visible, inner
+// nodes are not tested from the second frame on.
 TEST(PeerDefects, PullUpThatStopsAtOnceKeepsTestingTheAncestorsOfVisibleNodes)
 {
     const Hierarchy tree = test::row_tree(4);
@@ -296,8 +295,8 @@ TEST(PeerDefects, RecycledObjectInheritsTheAnswerOfItsPredecessor)
     }
 }
 
-// A guard against stalls measured from the wrong moment, so that it never or always struck. Here: a
-// budget of time counts from the start of the frame's work, whatever the clock showed then.
+// A guard against stalls measured from the wrong moment, so that it never or always took effect.
+// Here: a budget of time counts from the start of the frame's work, whatever the clock showed then.
 TEST(PeerDefects, BudgetMeasuredFromTheWrongMomentIsNoBudget)
 {
     const std::vector<ItemBounds> items = test::random_boxes(400, 3);

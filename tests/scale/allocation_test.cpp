@@ -1,5 +1,5 @@
-// What the library takes of memory, and how often it asks for some: this program replaces the
-// global operator new and counts.
+// How much memory the library takes, and how often it allocates: this program replaces the global
+// operator new and counts.
 #include "support/walks.h"
 
 #include <occlude/core/assert.h>
@@ -49,8 +49,8 @@ namespace {
 
 constexpr uint64_t kRound = 16; // frames of the walk, which goes round and round
 
-// Finds inner nodes visible and a made-up third of the leaves, another third every few frames of
-// the walk. Allocates nothing.
+// A test device that allocates nothing. Inner nodes are visible, and a third of the leaves, which
+// changes every few frames of the walk.
 class QuietDevice final : public QueryDevice {
 public:
     explicit QuietDevice(const Hierarchy& hierarchy)
@@ -137,8 +137,8 @@ TEST_P(Allocations, ThereAreNoneInAFrameAfterTheFirstRounds)
     EXPECT_GT(drawn, 0u);
 }
 
-// All of it: nodes, items, bounds, and what two cullers remember and have drawn, after frames that
-// saw every corner of the scene.
+// All memory: nodes, items, bounds, and the state and draw lists of two cullers, after frames in
+// which they saw every corner of the scene.
 size_t bytes_per_object(const BvhOptions& options, const char* algorithm)
 {
     constexpr uint32_t kObjects = 200000;
@@ -205,14 +205,14 @@ TEST(Shapes, AllocateNothingInAFrameAfterTheFirstRounds)
             }
             const size_t before_refit = allocations;
             tree.refit(scene.item_bounds());
-            before += OCCLUDE_ASSERTS ? allocations - before_refit : 0; // it was validated
+            before += OCCLUDE_ASSERTS ? allocations - before_refit : 0; // validation allocates
             (*culler)->cull(test::rough_walk(frame % kRound), device);
         }
         EXPECT_EQ(allocations - before, 0u) << name;
     }
 }
 
-// Objects without shapes pay nothing for those that have one, and many objects share one.
+// Objects without shapes need no memory for them, and many objects share one shape.
 TEST(Memory, AShapeIsSharedAndCostsItsPlace)
 {
     constexpr uint32_t kObjects = 20000;

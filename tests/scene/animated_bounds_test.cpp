@@ -45,7 +45,7 @@ TEST(AnimatedBounds, InPlaceAFlightHasTheBoxOfTheFigure)
     for (int axis = 0; axis < 3; ++axis) {
         EXPECT_NEAR(in_place.in_place.extent()[axis], 2.0f, 1e-5f);
     }
-    // The root translation of the frame that plays puts it where the figure is.
+    // The root translation of the current frame moves the box to the figure.
     const std::array playing{PlayingAnimation{in_place, roots[4]}};
     EXPECT_NEAR(blended_bounds(playing).center().x, 4.0f, 1e-5f);
     EXPECT_NEAR(blended_bounds(playing).center().y, 4.8f, 1e-5f);

@@ -152,7 +152,7 @@ TEST(MakeView, RightIsRightAndUpIsUp)
     EXPECT_NEAR(above.x, 0.0f, 1e-4f);
 }
 
-// A point one unit before the eye is not far enough from it for float, 1e6 units away.
+// 1e6 units away, float cannot place a point one unit before the eye precisely enough.
 TEST(MakeView, LooksWhereItShouldFarFromTheOrigin)
 {
     Camera camera = looking_down_z();

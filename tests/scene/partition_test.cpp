@@ -61,7 +61,7 @@ TEST(Partition, PartsCoverAllIndicesInOrderAndHoldAtMostTheLimit)
         next += part.index_count;
     }
     EXPECT_EQ(next, soup.indices.size());
-    // Cuts leave a quarter or more on either side, so parts are not tiny either.
+    // Cuts leave a quarter or more on either side, so that no part is tiny.
     EXPECT_LE(partition.parts.size(), 4u * 4321u / 128u);
 }
 
@@ -139,7 +139,7 @@ TEST(Partition, IsTheSameEveryTime)
     for (uint32_t index : first.indices) {
         hash = hash64(hash, index);
     }
-    // Changes only with the algorithm: it must not differ between compilers.
+    // Changes only with the algorithm: the result must not differ between compilers.
     EXPECT_EQ(hash, 7248543249782207257u);
 }
 

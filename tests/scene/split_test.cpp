@@ -72,7 +72,7 @@ double area_of(std::span<const glm::vec3> positions, std::span<const uint32_t> i
 
 using Point = std::array<float, 3>;
 
-// Directed edges that no triangle runs along the other way, by exact position: the border, and
+// Directed edges that no triangle has in the other direction, by exact position: the border, and
 // every crack and T-junction.
 size_t open_edges(std::span<const glm::vec3> positions, std::span<const uint32_t> indices)
 {
@@ -110,7 +110,7 @@ TEST(Split, ATriangleIsCutWhereThePlaneCrossesIt)
     soup.indices = {0, 1, 2, 0, 2, 3, 1, 4, 5, 1, 5, 2, 6, 7, 8};
     const SplitMesh mesh = split(soup, 4);
     ASSERT_EQ(mesh.parts.size(), 2u);
-    // Whatever plane was best, the pieces add up and touch at it.
+    // Whatever the best plane is, the pieces fit together along it.
     EXPECT_DOUBLE_EQ(area_of(mesh.positions, mesh.indices), 3.0);
     EXPECT_EQ(mesh.tree.nodes.size(), 3u);
     for (const glm::vec3& normal : mesh.normals) {
@@ -155,7 +155,7 @@ TEST(Split, AClosedMeshStaysClosedBitByBitAndKeepsItsArea)
 
 TEST(Split, WithoutSharingACutThereWouldBeCracks)
 {
-    // The measure sees what it should: one vertex moved by one bit opens edges.
+    // The measure works: one vertex moved by one bit opens edges.
     const Soup ball = bumpy_ball(20, 30, 4);
     SplitMesh mesh = split(ball, 200);
     const uint32_t used = mesh.indices[0];
@@ -188,7 +188,7 @@ TEST(Split, PartsAndTreeCoverTheMeshAndPartsDoNotOverlap)
     uint32_t next = 0;
     for (const PartitionPart& part : mesh.parts) {
         EXPECT_EQ(part.first_index, next);
-        EXPECT_LE(part.index_count, 3 * 130u); // a few more than asked for, from neighbours' cuts
+        EXPECT_LE(part.index_count, 3 * 130u); // a few more than required, from cuts of neighbours
         next += part.index_count;
         for (uint32_t i = part.first_index; i < next; ++i) {
             const glm::vec3& p = mesh.positions[mesh.indices[i]];
@@ -279,7 +279,8 @@ TEST(Split, TheUnknownIsNotCutAndTheHopelessIsLeft)
     EXPECT_EQ(split(stack, 10).parts.size(), 1u);
 }
 
-// Triangles through one another: however small the parts, a plane cuts most of what it meets.
+// Triangles that pass through one another: however small the parts, a plane cuts most triangles
+// that it meets.
 Soup crossing_triangles(uint32_t count, uint64_t seed)
 {
     Soup soup;

@@ -72,7 +72,7 @@ TEST(DepthPyramid, EveryAnswerAgreesWithBruteForceAtOddAndEvenSizes)
 
 TEST(DepthPyramid, ALoneFarPixelIsSeenAtEveryPlaceOfAnOddTarget)
 {
-    // What a pyramid that halves by rounding down misses: the last row and column.
+    // A pyramid that rounds its halves down misses the last row and column.
     const glm::ivec2 size{7, 5};
     const PixelRect everything{0, 0, size.x, size.y};
     for (int i = 0; i < size.x * size.y; ++i) {
@@ -84,7 +84,7 @@ TEST(DepthPyramid, ALoneFarPixelIsSeenAtEveryPlaceOfAnOddTarget)
         for (const Refinement refinement : {Refinement::none, Refinement::pixels}) {
             EXPECT_FALSE(pyramid.hides(everything, 0.5f, refinement)) << "pixel " << i;
         }
-        EXPECT_FALSE(pyramid.hides({i % size.x, i / size.x, 1, 1}, 0.75f)); // as far: seen
+        EXPECT_FALSE(pyramid.hides({i % size.x, i / size.x, 1, 1}, 0.75f)); // as far: visible
         EXPECT_TRUE(pyramid.hides({i % size.x, i / size.x, 1, 1}, 0.76f));
     }
 }

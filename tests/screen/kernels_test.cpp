@@ -1,5 +1,5 @@
 // Both kernels of the projection and of the pyramid, on every kind of vector that this processor
-// has: they agree to the bit, and both keep what was promised.
+// has: they agree to the bit, and both keep their guarantees.
 #include <occlude/screen/depth_pyramid.h>
 #include <occlude/screen/projection.h>
 
@@ -22,7 +22,7 @@ using Refinement = DepthPyramid::Refinement;
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// Calls `check` with each target in turn allowed alone, as if the processor had no better one.
+// Calls `check` with each target allowed alone in turn, as if the processor had no better one.
 template <class Check>
 void on_every_target(Check&& check)
 {
@@ -39,7 +39,7 @@ void on_every_target(Check&& check)
     EXPECT_GT(tried, 0);
 }
 
-// Boxes before, beside, behind and around the eye, and what is no box at all.
+// Boxes before, beside, behind and around the eye, and invalid boxes.
 std::vector<Aabb> all_sorts_of_boxes(Rng& rng, size_t count)
 {
     std::vector<Aabb> boxes(count);
@@ -267,8 +267,7 @@ glm::vec3 window_position(const glm::vec4& clip, ClipConvention convention)
             convention.order == DepthOrder::near_is_large ? 1.0f - z : z};
 }
 
-// A box is drawn by nothing better than its own corners and points: if one of them lies in front of
-// the depth there is, the box must not be hidden.
+// If a corner or an inner point of a box lies in front of the depth, the box must not be hidden.
 TEST(Kernels, NoBoxWithAVisiblePointIsHiddenUnderAnyProjection)
 {
     constexpr glm::ivec2 kSize{320, 200};
@@ -282,7 +281,7 @@ TEST(Kernels, NoBoxWithAVisiblePointIsHiddenUnderAnyProjection)
                 projection.clip_from_eye * test::random_eye_from_world(rng, 20.0f);
             const View view = View::from_clip(clip, kSize, projection.convention);
             std::vector<Aabb> boxes = all_sorts_of_boxes(rng, 500);
-            // Depth around that of the boxes, so that both answers come up.
+            // Depth near that of the boxes, so that both answers are frequent.
             std::vector<float> depths;
             for (const Aabb& box : boxes) {
                 const ScreenBounds b = project(view, box);

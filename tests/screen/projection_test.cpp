@@ -49,7 +49,8 @@ TEST(Projection, WhereSamplesAreInTheMiddleOfPixelsABoxBetweenThemHasNoPixels)
     const auto centers = [](const Aabb& box) {
         return project(down_z(), box, SamplePositions::center);
     };
-    // From 55.1 to 55.4 px along x, beside 1/64; and to 55.49, which that takes over the middle.
+    // From 55.1 to 55.4 px along x, and 1/64 more. To 55.49, which that margin takes across the
+    // middle.
     const ScreenBounds between = centers({{1.02f, 0.0f, -10.0f}, {1.08f, 1.0f, -10.0f}});
     EXPECT_TRUE(between.valid);
     EXPECT_EQ(between.rect, (PixelRect{}));
@@ -115,7 +116,7 @@ TEST(Projection, UnderADegenerateViewNothingIsValid)
     EXPECT_EQ(b.rect, (PixelRect{0, 0, 0, 5}));
 }
 
-// Window depth and pixel of a point as a device would find them: everything in float.
+// Window depth and pixel of a point as a device computes them: everything in float.
 struct FloatDevice {
     glm::mat4 clip;
     ClipConvention convention;
@@ -132,8 +133,8 @@ struct FloatDevice {
     }
 };
 
-// Every pixel of which some corners are before the middle and others beyond, along both axes, must
-// be in the rectangle of middles.
+// The rectangle of middles must contain every pixel whose middle lies between corners of the box,
+// along both axes.
 void check_middles(const FloatDevice& device, const Aabb& box, const ScreenBounds& middles,
                    const ScreenBounds& anywhere)
 {
@@ -224,8 +225,8 @@ TEST(Projection, BoundsHoldFarFromTheOriginWhereFloatsAreCoarse)
     }
 }
 
-// 1e7 units away the eye lies between two floats. Boxes are taken relative to it, not to the float
-// beside it: with that the rectangles of boxes were off by up to half a unit.
+// 1e7 units away the eye lies between two floats. Boxes are taken relative to the exact eye:
+// relative to the float beside it, their rectangles are off by up to half a unit.
 TEST(Projection, BoundsHoldEveryPointWhereTheEyeLiesBetweenTwoFloats)
 {
     Rng rng(74);

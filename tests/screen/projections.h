@@ -1,4 +1,4 @@
-// Cameras of every kind that the library promises to understand, for the tests of core/.
+// Cameras of every kind that the library supports, for the tests of core/.
 #pragma once
 
 #include <occlude/core/frustum.h>
@@ -54,7 +54,7 @@ inline glm::mat4 oblique(const glm::mat4& clip_from_eye, const glm::vec4& plane)
     return result;
 }
 
-/// Near 0.1 and far 100 where they have a say; the oblique one keeps what is at z < -0.5 + 0.3 x.
+/// Near 0.1 and far 100 where they apply. The oblique one keeps points with z < -0.5 + 0.3 x.
 inline std::vector<Projection> all_projections()
 {
     const float fov = glm::radians(70.0f);

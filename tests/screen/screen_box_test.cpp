@@ -32,7 +32,7 @@ glm::dvec3 on_screen(const View& view, const glm::dvec3& p)
             (0.5 * clip.y / clip.w + 0.5) * view.size_px().y, z};
 }
 
-// A cube from 10 to 20 before the eye, to the right: at 45 degrees its left face is seen, too.
+// A cube from 10 to 20 before the eye, to the right: at 45 degrees its left face is visible, too.
 TEST(ScreenBox, KnowsTheFacesOfABoxApart)
 {
     const View view = down_z();
@@ -44,7 +44,7 @@ TEST(ScreenBox, KnowsTheFacesOfABoxApart)
     const double at_70 = screen_box.nearest_over({70, 50}, {70, 50}); // x = 5 at distance 12.2
     EXPECT_NEAR(at_70, depth(5.0 / 0.42), 2e-3);
     EXPECT_EQ(screen_box.nearest_over({60, 50}, {60, 50}), kInfinity);
-    // Beside the slanted lower edge of the left face, inside of the rectangle of the box.
+    // A point beside the slanted lower edge of the left face, in the rectangle of the box.
     EXPECT_EQ(screen_box.nearest_over({66, 28}, {66, 28}), kInfinity);
     EXPECT_LE(project(view, box).rect.y, 28);
 }
@@ -121,7 +121,7 @@ TEST(ScreenBox, NothingInABoxIsNearerThanItSays)
     EXPECT_GT(tighter, tested / 4) << "no better than rectangles";
 }
 
-// The same of boxes in the space of objects that are turned, stretched, mirrored and far away.
+// The same for boxes in the space of objects that are turned, stretched, mirrored and far away.
 TEST(ScreenBox, NothingInABoxOfAnObjectIsNearerThanItSays)
 {
     Rng rng{12};
@@ -134,7 +134,7 @@ TEST(ScreenBox, NothingInABoxOfAnObjectIsNearerThanItSays)
             const auto vector = [&](float low, float high) {
                 return glm::vec3{rng.range(low, high), rng.range(low, high), rng.range(low, high)};
             };
-            const float size = i % 3 == 0 ? 1000.0f : 1.0f; // as where a file counts in millimetres
+            const float size = i % 3 == 0 ? 1000.0f : 1.0f; // as in a file in millimetres
             const glm::vec3 place{rng.range(-40.0f, 40.0f), rng.range(-30.0f, 30.0f),
                                   rng.range(-90.0f, 0.0f)};
             glm::mat4 map = glm::translate(glm::mat4{1.0f}, place);
@@ -178,8 +178,8 @@ TEST(ScreenBox, NothingInABoxOfAnObjectIsNearerThanItSays)
     EXPECT_GT(tighter, tested / 2) << "no better than rectangles";
 }
 
-// As much as the box around it would grow in the world, seen from there: a box of half the size
-// under a map that doubles it has the same margin in the world.
+// A box of an object grows as much as the box around it would grow in the world. A box of half the
+// size under a map that doubles it has the same margin in the world.
 TEST(ScreenBox, ABoxOfAnObjectGrowsByNoLessThanItWouldInTheWorld)
 {
     const View view = down_z();

@@ -1,6 +1,6 @@
-// A device that offers flags rasterised on the device (TestMethod::raster) beside what it wraps:
-// they are answered by queries and say "some" or "none", as flags do. So that the CPU device can
-// stand in for one with all three methods.
+// Adds flags rasterised on the device (TestMethod::raster) to the methods of the wrapped device.
+// They are answered by queries and say "some" or "none", as flags do. With it the CPU device can
+// stand in for a device with all three methods.
 #pragma once
 
 #include <occlude/core/query_device.h>

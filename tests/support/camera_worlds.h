@@ -1,5 +1,5 @@
-// Random worlds of boxes and cameras of every kind in them, to compare culled images with the image
-// of everything: on both devices, at every distance from the origin and in every unit.
+// Random worlds of boxes, and cameras of every kind in them, to compare culled images with full
+// images: on both devices, at every distance from the origin and in every unit.
 #pragma once
 
 #include "screen/projections.h"
@@ -16,7 +16,7 @@
 
 namespace occlude::test {
 
-/// How many times as many random cases as `./dev test` needs: OCCLUDE_SOAK, 1 if it is not set.
+/// Factor on the random cases of `./dev test`: OCCLUDE_SOAK, or 1 if it is not set.
 inline uint64_t soak_factor()
 {
     const char* text = std::getenv("OCCLUDE_SOAK");
@@ -24,7 +24,7 @@ inline uint64_t soak_factor()
     return factor > 1 ? static_cast<uint64_t>(factor) : 1;
 }
 
-/// A camera without a projection: where it is and how it is turned, in double.
+/// A camera without a projection: its position and orientation, in double.
 struct Pose {
     glm::dvec3 eye{0.0};
     glm::dvec3 forward{0.0, 0.0, -1.0};
@@ -49,7 +49,7 @@ inline glm::dmat4 in_units(const glm::mat4& clip_from_eye, double unit)
            glm::dmat4{{shrink.x, 0, 0, 0}, {0, shrink.y, 0, 0}, {0, 0, shrink.z, 0}, {0, 0, 0, 1}};
 }
 
-/// How the engine hands its camera over.
+/// How the engine passes its camera to the library.
 enum class Drawing : uint8_t {
     relative, ///< View::camera_relative: positions are taken relative to the eye first
     absolute, ///< View::from_clip: world positions in float
@@ -69,8 +69,8 @@ inline View view_of(const Projection& projection, const Pose& pose, glm::ivec2 s
     return View::from_clip(glm::mat4{absolute}, size, projection.convention, options);
 }
 
-/// Near planes that lean by up to 85 degrees and lie from 1/8 to 3 units before the eye, as
-/// mirrors, portals and water have them; the far corner of the screen stays at the far end.
+/// Near planes that lean by up to 85 degrees, 1/8 to 3 units before the eye, as for mirrors,
+/// portals and water. The far corner of the screen stays at the far end.
 inline Projection random_oblique(Rng& rng)
 {
     const bool reversed_depth = rng.below(2) == 1;
@@ -89,8 +89,8 @@ inline Projection random_oblique(Rng& rng)
     return {"oblique", clip, kVulkan};
 }
 
-/// all_projections() and what is special: tiny and huge near planes, a mirrored camera, a narrow
-/// one, a very wide one, an oblique one of each depth order.
+/// all_projections() and special ones: tiny and huge near planes, a mirrored camera, a narrow one,
+/// a very wide one, an oblique one of each depth order.
 inline std::vector<Projection> projections_for_images()
 {
     std::vector<Projection> all = all_projections();
@@ -118,13 +118,13 @@ inline bool is_left_handed(const Projection& projection)
     return std::string_view{projection.name}.ends_with("left-handed");
 }
 
-/// Boxes within 40 units of the origin, in double: a few walls and rooms, many small things, some
-/// flat, some like needles, some twice, some that touch.
+/// Boxes within 40 units of the origin, in double: a few walls and rooms, and many small boxes.
+/// Some are flat, thin as needles, doubled, or touch each other.
 struct DoubleBox {
     glm::dvec3 min, max;
 };
 
-/// `apart`: no two faces coincide on purpose, for images in which the order of draws would show.
+/// `apart`: no two faces coincide on purpose, for images that would depend on the order of draws.
 inline std::vector<DoubleBox> random_world(Rng& rng, size_t count, bool apart = false)
 {
     std::vector<DoubleBox> boxes;
@@ -173,7 +173,7 @@ inline std::vector<ItemBounds> placed(std::span<const DoubleBox> boxes, double u
     return items;
 }
 
-/// A place among or beside the boxes, looking across them.
+/// A camera among or beside the boxes, looking across them.
 inline Pose random_pose(Rng& rng, double unit = 1.0, const glm::dvec3& offset = glm::dvec3{0.0})
 {
     const auto within = [&](float reach) {

@@ -1,4 +1,4 @@
-// What tests must know of the inside of a culler, and no host does. Cullers call it their friend.
+// Access for tests to the inside of a culler. Cullers declare it a friend.
 #pragma once
 
 #include <occlude/cull/adaptive.h>
@@ -21,8 +21,8 @@ public:
     {
         return found_visible(culler, node);
     }
-    /// True if something of the node was found visible by the last frame and will be drawn first in
-    /// the next. O(entries of the cut).
+    /// True if the last frame found part of the node visible, so that the next frame draws it
+    /// first. O(entries of the cut).
     static bool visible(const TwoPhase& culler, NodeId node)
     {
         const Node& n = culler.hierarchy().node(node);

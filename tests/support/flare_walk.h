@@ -1,4 +1,4 @@
-// A wall that slides past lights, and what exactly is seen of them: for every device that draws.
+// A wall that slides past lights, and the exact visible share of each, for every device that draws.
 #pragma once
 
 #include "support/trees.h"
@@ -46,14 +46,14 @@ inline glm::dvec2 pixel_of(const View& view, const glm::vec4& position)
 inline double depth01_of(const View& view, const glm::vec4& position)
 {
     if (position.w == 0.0f) {
-        return 1.0 - 1e-6; // the sun: before nothing that is drawn
+        return 1.0 - 1e-6; // the sun: behind everything that is drawn
     }
     const glm::dvec4 clip = glm::dmat4{view.clip_from_world()} * glm::dvec4{position};
     return 0.5 * clip.z / clip.w + 0.5;
 }
 
 /// Lights that a wall at z = -20, which slides along x, hides one after the other: two at z = -40,
-/// one before the wall, one beyond the edge of a 128 x 96 screen, the sun.
+/// one before the wall, one beyond the edge of a 128 x 96 screen, and the sun.
 inline std::vector<FlareLight> walk_lights()
 {
     return {{{0.3f, 0.2f, -40.0f, 1.0f}, 9.3f},

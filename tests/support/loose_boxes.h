@@ -1,4 +1,4 @@
-// What a two-level tree tests as more than it holds.
+// Nodes of a two-level tree that are tested with a larger box than that of their contents.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>
@@ -7,8 +7,8 @@
 
 namespace occlude::test {
 
-/// Nodes of a two-level tree whose test box is not the box around their contents. Where no object
-/// is turned, those are the restless ones.
+/// Nodes of a two-level tree whose test box is larger than the box of their contents. Where no
+/// object is turned, these are the restless nodes.
 inline size_t loose_boxes(const Hierarchy& tree)
 {
     size_t count = 0;

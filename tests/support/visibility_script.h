@@ -1,5 +1,5 @@
-// A made-up truth about which items are visible, as answers for a ScriptedDevice: consistent over
-// inner nodes, leaves and groups, whatever order they are asked in.
+// A made-up truth of visible items, as answers for a ScriptedDevice. It is consistent over inner
+// nodes, leaves and groups, in every order of tests.
 #pragma once
 
 #include <occlude/core/rng.h>
@@ -12,7 +12,7 @@
 
 namespace occlude::test {
 
-/// Item i is visible in frame f with probability `share`; it keeps its state for some ten frames.
+/// Item i is visible in frame f with probability `share`. It keeps its state for about ten frames.
 inline bool item_visible(uint64_t seed, uint64_t frame, ItemId item, float share)
 {
     const uint64_t phase = hash64(seed, item.value) % 10;
@@ -24,8 +24,8 @@ inline bool overlap(const Aabb& a, const Aabb& b)
     return glm::all(glm::lessThanEqual(a.min, b.max)) && glm::all(glm::lessThanEqual(b.min, a.max));
 }
 
-/// Answers as if exactly the items chosen by item_visible() were seen, 10 samples each; `frame` is
-/// read when a test is issued, so that the test may advance it.
+/// Answers as if exactly the items chosen by item_visible() were visible, with 10 samples each.
+/// `frame` is read when a test is issued, so that the test may advance it.
 inline BoxScript consistent_visibility(const Hierarchy& hierarchy, uint64_t seed,
                                        const uint64_t& frame, float share)
 {

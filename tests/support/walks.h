@@ -1,4 +1,4 @@
-// A camera walk and the names of cases that several tests of the culling room share.
+// A camera walk and the names of cases, for several tests of occlude/cull.
 #pragma once
 
 #include "support/trees.h"
@@ -11,7 +11,7 @@
 
 namespace occlude::test {
 
-/// Through boxes of random_boxes(), with jumps and turns by 90 degrees.
+/// A walk through the boxes of random_boxes(), with jumps and turns by 90 degrees.
 inline View rough_walk(uint64_t frame)
 {
     const float t = static_cast<float>(frame);

@@ -54,7 +54,7 @@ void expect_valid(const Hierarchy& tree, std::span<const ItemBounds> items)
     ASSERT_EQ(seen.size(), items.size());
 }
 
-// ... and siblings apart: some axis has a plane between them.
+// Siblings are apart: some axis has a plane between them.
 void expect_good(const Hierarchy& tree, std::span<const ItemBounds> items)
 {
     expect_valid(tree, items);
@@ -137,7 +137,7 @@ TEST(BspBuilder, WithThreeChildrenRandomBoxesMakeGoodTreesToo)
 
 TEST(BspBuilder, TheCostKeepsTheHeavyItemOffThePlane)
 {
-    // The middle, x = 4, would cut the heavy item in two; x = 2 parts it from the others.
+    // The middle, x = 4, would cut the heavy item in two; x = 2 separates it from the others.
     const std::vector<ItemBounds> items{on_x(0, 1), on_x(1, 2), on_x(2, 8, 1000)};
     const Hierarchy tree = build_bsp(items, {.leaf_triangles = 0});
     expect_good(tree, items);
@@ -177,7 +177,8 @@ TEST(BspBuilder, FlatBoxesInThePlaneAreOnOneSideOnly)
     }
     const Hierarchy tree = build_bsp(walls, {.max_leaf_items = 4, .leaf_triangles = 0});
     expect_good(tree, walls);
-    EXPECT_EQ(tree.nodes().size(), 19u); // ten leaves: no wall straddles, none is cut from its kin
+    EXPECT_EQ(tree.nodes().size(),
+              19u); // ten leaves: no wall straddles a plane, none is apart from its cluster
 }
 
 TEST(BspBuilder, RandomBoxesMakeGoodTrees)
@@ -210,7 +211,7 @@ TEST(BspBuilder, TheOrderOfEqualInputDoesNotMatter)
 {
     const std::vector<ItemBounds> items = random_items(500, 13);
     EXPECT_TRUE(test::same_tree(build_bsp(items), build_bsp(items)));
-    // The same boxes in reverse: the same boxes of nodes.
+    // The boxes in reverse order give nodes with the same boxes.
     const std::vector<ItemBounds> reversed(items.rbegin(), items.rend());
     const Hierarchy a = build_bsp(items);
     const Hierarchy b = build_bsp(reversed);
@@ -240,7 +241,7 @@ TEST(BspBuilder, OddBoxesAreItemsOfTheRoot)
 TEST(BspBuilder, HugeBoxesAndDepthsAreHarmless)
 {
     std::vector<ItemBounds> items;
-    for (int i = 0; i < 200; ++i) { // each twice as far as the one before: a long thin tree
+    for (int i = 0; i < 200; ++i) { // each twice as far as the last one: a long thin tree
         const float x = std::ldexp(1.0f, i - 100);
         items.push_back(on_x(x, 1.5f * x));
     }

@@ -19,7 +19,7 @@ using test::random_items;
 
 constexpr BvhOptions kOneEach{.max_leaf_items = 1};
 
-/// What every tree must fulfil, whatever the boxes: all items once, in leaves of the allowed size.
+/// Holds for every tree, whatever the boxes: all items once, in leaves of the allowed size.
 void expect_good(const Hierarchy& tree, std::span<const ItemBounds> items, uint32_t max_leaf_items)
 {
     ASSERT_EQ(validate(tree), "");
@@ -64,7 +64,7 @@ NodeId leaf_of(const Hierarchy& tree, uint32_t item)
     return {};
 }
 
-/// Halves at the median centre of the widest axis: the tree that the heuristic must beat.
+/// Halves at the median centre of the widest axis: a tree that the heuristic must beat.
 void median_node(std::vector<Node>& nodes, size_t node, std::span<uint32_t> order,
                  uint32_t first_item, std::span<const ItemBounds> items)
 {
@@ -157,7 +157,7 @@ Hierarchy build_with_threads(size_t threads, std::span<const ItemBounds> items,
 
 TEST(BvhBuilder, TreeDoesNotDependOnTheNumberOfThreads)
 {
-    // Large enough for parallel binning; identical boxes too, where only ids break ties.
+    // Large enough for parallel binning. Some boxes are identical, so that ids break ties.
     std::vector<ItemBounds> items = random_items(150000, 3);
     std::fill(items.begin(), items.begin() + 20000, items[0]);
     for (const uint32_t leaf_items : {1u, 4u}) {
@@ -173,7 +173,7 @@ TEST(BvhBuilder, TreeDoesNotDependOnTheNumberOfThreads)
 
 TEST(BvhBuilder, CostIsBelowThatOfMedianSplits)
 {
-    // Evenly spread, and clustered with a few large boxes among small ones.
+    // Boxes evenly spread, and clustered with a few large boxes among small ones.
     const std::vector<ItemBounds> even = random_items(10000, 4);
     std::vector<ItemBounds> clustered = random_items(10000, 5);
     for (size_t i = 0; i < clustered.size(); ++i) {
@@ -193,7 +193,7 @@ TEST(BvhBuilder, CostIsBelowThatOfMedianSplits)
 
 TEST(BvhBuilder, SplitsApartWhatIsApart)
 {
-    // Two far clusters: the root's children must be they.
+    // Two clusters far apart: they must be the root's children.
     std::vector<ItemBounds> items = random_items(100, 6);
     for (size_t i = 0; i < 30; ++i) {
         items[i].box.min.y += 1e5f;
@@ -206,7 +206,7 @@ TEST(BvhBuilder, SplitsApartWhatIsApart)
 
 TEST(BvhBuilder, TheCostOfALeafCountsTrianglesNotItems)
 {
-    // Along x: a heavy item at 0 and light ones at 3, 4, ..., 10. Cutting off the heavy one pays
+    // Along x: a heavy item at 0 and light ones at 3, 4, ..., 10. A cut behind the heavy one pays
     // only if its triangles count.
     std::vector<ItemBounds> items;
     for (const float x : {0.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f, 8.0f, 9.0f, 10.0f}) {
@@ -262,8 +262,8 @@ TEST(BvhBuilder, HugeAndTinyScenesMakeGoodTrees)
 
 TEST(BvhBuilder, DepthIsBoundedForTheWorstInput)
 {
-    // Each box twice as far as the one before, alternating in axis: the heuristic peels one off at
-    // a time.
+    // Each box twice as far as the last one, along alternating axes: the heuristic separates one
+    // box at a time.
     std::vector<ItemBounds> items;
     for (int i = 0; i < 240; ++i) {
         const float x = std::ldexp(1.0f, i - 120);
@@ -303,7 +303,7 @@ TEST(BvhBuilder, EmptyBoxesGetALeafThatNoFrustumMeets)
     }
     items[3].box = Aabb::empty();
     items[4].box.max.y = items[4].box.min.y - 1.0f;
-    // Even where the whole scene would fit into one virtual leaf.
+    // Also where the whole scene would fit into one virtual leaf.
     const Hierarchy tree = build_bvh(items, {.max_leaf_items = 1, .leaf_triangles = 1000000});
     expect_good(tree, items, 1);
     const NodeId leaf = leaf_of(tree, 3);
@@ -360,7 +360,7 @@ TEST(BvhBuilder, ItemsInALeafAreInTheOrderOfTheirIds)
 
 TEST(BvhBuilder, TreeOrderKeepsNeighboursTogether)
 {
-    // The mean step from item to item in tree order, beside that of the given (random) order.
+    // The mean step from item to item in tree order, beside the same in the given (random) order.
     const std::vector<ItemBounds> items = random_items(5000, 15);
     const Hierarchy tree = build_bvh(items, kOneEach);
     double in_tree = 0.0;

@@ -35,7 +35,7 @@ std::vector<uint32_t> subtree(const Hierarchy& tree, uint32_t node)
     return ids;
 }
 
-// Valid, every item once, leaves no larger than allowed unless nothing parts their centres.
+// Valid, every item once, leaves no larger than allowed unless no plane separates their centres.
 void expect_good(const Hierarchy& tree, std::span<const ItemBounds> items, uint32_t max_leaf_items)
 {
     ASSERT_EQ(validate(tree), "");
@@ -88,7 +88,7 @@ TEST(OctreeBuilder, TheDepthLimitMakesLargerLeaves)
     const std::vector<ItemBounds> items = random_items(1000, 3);
     const Hierarchy tree = build_octree(items, {.max_depth = 2, .leaf_triangles = 0});
     ASSERT_EQ(validate(tree), "");
-    EXPECT_EQ(tree.nodes().size(), 1u + 8u + 64u); // 1000 items leave none of them empty
+    EXPECT_EQ(tree.nodes().size(), 1u + 8u + 64u); // 1000 items leave no octant empty.
     EXPECT_EQ(build_octree(items, {.max_depth = 0}).nodes().size(), 1u);
 }
 
@@ -182,7 +182,7 @@ TEST_P(CellTrees, DegenerateItemsAreHarmless)
     }
     const Hierarchy tree = build(items);
     expect_good(tree, items, 1);
-    EXPECT_EQ(subtree(tree, 0)[0], 3u); // what no cell can hold is the root's own
+    EXPECT_EQ(subtree(tree, 0)[0], 3u); // items that no cell can hold are the root's own
     EXPECT_EQ(tree.node(tree.root()).own_items, 4u);
     for (const size_t only : {4u, 5u}) {
         const std::vector<ItemBounds> one{items[only]};

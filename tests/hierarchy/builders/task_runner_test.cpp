@@ -12,7 +12,7 @@ namespace {
 
 using test::random_items;
 
-/// A host's own job system: a thread for each second task.
+/// A host's own job system: every second task runs in a thread of its own.
 class ThreadPerTask final : public TaskRunner {
 public:
     void run_both(Task first, Task second) override

@@ -1,4 +1,4 @@
-// What a two-level tree does when its objects move.
+// Moving objects in a two-level tree.
 #include "hierarchy/scenes.h"
 #include "support/loose_boxes.h"
 #include "two_level_world.h"
@@ -89,7 +89,7 @@ TEST(TwoLevelTree, FewMovedObjectsLeaveTheTreeThatAFullRefitGives)
             const float step = rng.below(10) == 0 ? 300.0f : 0.3f;
             const glm::mat4 place =
                 at(3.0f * static_cast<float>(slot) + rng.range(-step, step), 0, 0);
-            if (frame % 4 == 3) { // in the others all stay turned or not
+            if (frame % 4 == 3) { // in the other frames no object starts or stops being turned
                 turned[slot] = !turned[slot];
             }
             world.move(slots[slot],
@@ -134,7 +134,7 @@ TEST(TwoLevelTree, ASubtreeWhoseLinksHaveChangedEnoughIsRebuilt)
     }
     world.update();
     EXPECT_EQ(world.tree.rebuild_count(), 1u);
-    // All of them go far away, onto another axis: their old cells say nothing of them any more.
+    // All of them go far away, onto another axis, so that their old cells do not fit any more.
     for (int i = 0; i < 64; ++i) {
         world.move(slots[static_cast<size_t>(i)], at(500, 2.0f * static_cast<float>(i), 0));
     }
@@ -147,7 +147,7 @@ TEST(TwoLevelTree, ASubtreeWhoseLinksHaveChangedEnoughIsRebuilt)
     for (const Node& node : world.tree.hierarchy().nodes()) {
         EXPECT_LE(node.own_items, 2u);
     }
-    // Nothing moves any more: nothing is done any more.
+    // Nothing moves any more, so that nothing is updated.
     const uint64_t rebuilds = world.tree.rebuild_count();
     const uint64_t version = world.tree.hierarchy().structure_version();
     for (int frame = 0; frame < 8; ++frame) {

@@ -26,7 +26,7 @@ TEST(TwoLevelTree, SimpleObjectsAreItemsAndComplexOnesAreSubtrees)
     world.update();
     const Hierarchy& tree = world.tree.hierarchy();
     EXPECT_EQ(world.tree.check(), "");
-    // 0 (1 item | 2 (3 (4 5) 6 (7 8))): the planes part the two objects.
+    // 0 (1 item | 2 (3 (4 5) 6 (7 8))): the planes separate the two objects.
     EXPECT_EQ(tree.items().size(), 5u);
     const ObjectNodes& info = tree.object_nodes();
     size_t of_row = 0;
@@ -75,7 +75,7 @@ TEST(TwoLevelTree, ATurnedObjectIsTestedInItsOwnSpace)
     EXPECT_TRUE(found);
 }
 
-// Between layouts only what is above the moved objects is brought up to date; as if all were.
+// Between layouts only the ancestors of moved objects are updated. The result equals a full update.
 TEST(TwoLevelTree, StaysSoundWhileObjectsComeGoAndMove)
 {
     World world({.complex_triangles = 50, .leaf_triangles = 100, .rebuild_period = 2});
@@ -115,7 +115,7 @@ TEST(TwoLevelTree, StaysSoundWhileObjectsComeGoAndMove)
     EXPECT_EQ(world.tree.check(), "");
 }
 
-// Cullers keep a reference to hierarchy(): a tree that is given new contents must not take it away.
+// Cullers keep a reference to hierarchy(): a tree with new contents must stay in its place.
 TEST(TwoLevelTree, KeepsItsHierarchyInPlaceWhenAnotherTreeIsMovedIntoIt)
 {
     World world({.leaf_triangles = 0});

@@ -1,4 +1,4 @@
-// A two-level tree over objects of cubes that come, go and move.
+// A two-level tree over objects of cubes that appear, disappear and move.
 #pragma once
 
 #include <occlude/hierarchy/builders/two_level.h>
