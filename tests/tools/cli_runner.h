@@ -1,4 +1,4 @@
-// Runs the program as its users do, and says what came of it.
+// Runs the program as its users do, and returns its exit status and output.
 #pragma once
 
 #include "commands/cli.h"
@@ -39,7 +39,7 @@ inline Outcome run(std::vector<std::string> arguments, Watcher watcher = Watcher
 
 inline fs::path write_file(const std::string& name, const std::string& content)
 {
-    // Each test is a process of its own under ctest: a shared file could be read half written.
+    // Each test is its own process under ctest: a shared file could be read half written.
     const fs::path directory =
         fs::path{testing::TempDir()} / ("occlude_cli_test_" + std::to_string(getpid()));
     fs::create_directories(directory);
@@ -47,7 +47,7 @@ inline fs::path write_file(const std::string& name, const std::string& content)
     return directory / name;
 }
 
-// A wall before a smaller quad, as a file.
+// A file with a wall in front of a smaller quad.
 inline std::string scene_file()
 {
     return write_file("wall.obj", "o wall\nv -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nf 1 2 3 4\n"
@@ -63,7 +63,8 @@ inline std::vector<std::string> small(std::vector<std::string> arguments)
     return arguments;
 }
 
-// The program ends with 2, prints nothing to `out`, and one line to `err` that has all of `parts`.
+// Expects that the program ends with 2, prints nothing to `out`, and prints one line to `err` that
+// contains all of `parts`.
 inline void expect_refused(const std::vector<std::string>& arguments,
                            const std::vector<std::string>& parts)
 {

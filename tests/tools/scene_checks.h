@@ -1,4 +1,4 @@
-// What every generated scene must be: repeatable, sound, and passable along its paths.
+// Requirements of every generated scene: repeatable, sound, and passable along its paths.
 #pragma once
 
 #include "generate/scene_source.h"
@@ -20,10 +20,11 @@
 
 namespace occlude::tools::test {
 
-/// For hashes that are kept: they depend on how meshes are cut, and must outlive other defaults.
+/// For stored hashes: they depend on how meshes are divided, and must stay the same with other
+/// defaults.
 inline const SceneOptions kHashedOptions{.item_triangles = 2048};
 
-/// A scene that must load.
+/// Loads a scene, and fails if it does not load.
 inline SceneModel loaded(const std::string& source, const SceneOptions& options = {})
 {
     auto model = load_scene(source, options);
@@ -167,9 +168,9 @@ inline std::vector<Keyframe> keys_of(const SceneModel& model, const std::string&
     return {Keyframe{}};
 }
 
-/// Along the whole path no triangle comes between two places of the eye or within `clearance` of
-/// it, and the camera neither jumps nor turns by more than `most_degrees` within a sixtieth of the
-/// path, or half a metre if that is more frames.
+/// Along the whole path, no triangle comes between two places of the eye or within `clearance` of
+/// it. Within a sixtieth of the path, or half a metre if that is more frames, the camera neither
+/// jumps nor turns by more than `most_degrees`.
 inline void expect_free_and_smooth(const SceneModel& model, const std::string& path,
                                    float clearance, float most_degrees = 15.0f)
 {

@@ -83,8 +83,8 @@ inline Contender registered(const std::string& name)
     return {name, [name](const Hierarchy& hierarchy) { return make_culler(name, hierarchy); }};
 }
 
-/// Draws all leaves in the frustum except the one that holds `dropped`, which it calls hidden:
-/// wrong whenever that item can be seen.
+/// Draws all leaves in the frustum except the one that holds `dropped`, which it reports hidden: an
+/// error whenever that item is visible.
 class DroppingCuller final : public Culler {
 public:
     DroppingCuller(const Hierarchy& hierarchy, ItemId dropped)

@@ -1,5 +1,6 @@
-// One hierarchy, several views: two eyes, split screen, a shadow map and a reflection, interleaved
-// on one device and side by side on several threads, while objects come, go and move.
+// One hierarchy, several views: two eyes, split screen, a shadow map and a reflection. They are
+// interleaved on one device, and side by side on several threads, while objects appear, disappear
+// and move.
 #include "support/box_scene.h"
 #include "support/trees.h"
 
@@ -96,7 +97,7 @@ protected:
     }
 };
 
-// Moves one item in twenty, and makes one in four of these vanish. Returns them.
+// Moves one item in twenty, and makes one in four of these disappear. Returns them.
 std::vector<ItemId> move_some(std::vector<ItemBounds>& items, Rng& rng)
 {
     std::vector<ItemId> moved;
@@ -111,8 +112,8 @@ std::vector<ItemId> move_some(std::vector<ItemBounds>& items, Rng& rng)
     return moved;
 }
 
-// Five cullers take turns on one device, whose answers come late and sometimes never, over objects
-// that move, vanish and whose numbers others take.
+// Five cullers take turns on one device, whose answers come late and sometimes never. The objects
+// move and disappear, and their numbers go to others.
 TEST_P(ManyViews, TakeTurnsOnOneDeviceWhileObjectsComeAndGo)
 {
     for (const char* kind : {"bvh", "octree", "two_level"}) {
@@ -123,7 +124,7 @@ TEST_P(ManyViews, TakeTurnsOnOneDeviceWhileObjectsComeAndGo)
         for (size_t i = 0; i < views_of_frame(0).size(); ++i) {
             cullers.push_back(culler_of(tree));
         }
-        // One device outlives the scene's changes: it asks for triangles through this.
+        // The device outlives changes of the scene, and reads triangles through this.
         struct Current final : CpuScene {
             std::unique_ptr<test::BoxCpuScene>& scene;
             explicit Current(std::unique_ptr<test::BoxCpuScene>& s)
@@ -137,7 +138,7 @@ TEST_P(ManyViews, TakeTurnsOnOneDeviceWhileObjectsComeAndGo)
         std::string violation;
         ValidatingDevice device(
             late, {.on_violation = [&](std::string_view rule, std::string_view message) {
-                if (rule != "C11") { // five cullers share 300 tickets; tests beyond are lost
+                if (rule != "C11") { // five cullers share 300 tickets; further tests are lost
                     violation = std::string{rule} + ": " + std::string{message};
                 }
             }});
@@ -150,7 +151,7 @@ TEST_P(ManyViews, TakeTurnsOnOneDeviceWhileObjectsComeAndGo)
             const std::vector<View> views = views_of_frame(frame);
             for (size_t v = 0; v < views.size(); ++v) {
                 if (frame == 6 && v == 2) {
-                    cullers[v]->reset(); // a cut in one view is no business of the others
+                    cullers[v]->reset(); // a cut in one view does not affect the others
                 }
                 if (auto* oracle = dynamic_cast<OracleCuller*>(cullers[v].get())) {
                     oracle->record(views[v], device, {});
@@ -164,13 +165,13 @@ TEST_P(ManyViews, TakeTurnsOnOneDeviceWhileObjectsComeAndGo)
                 }
             }
         }
-        EXPECT_GT(drawn, items.size()); // the views see something
+        EXPECT_GT(drawn, items.size()); // the views are not empty
         EXPECT_LT(drawn, items.size() * kFrames * 5);
     }
 }
 
-// Each view on a thread and a device of its own, over one tree that is const meanwhile: the same
-// pictures as one after the other. ThreadSanitizer runs this, too.
+// Each view has its own thread and device, over one tree that is const meanwhile. The pictures
+// equal those of one view after the other. ThreadSanitizer runs this, too.
 TEST_P(ManyViews, RunOnSeveralThreadsOverOneTree)
 {
     std::vector<ItemBounds> items = city();
@@ -204,8 +205,8 @@ TEST_P(ManyViews, RunOnSeveralThreadsOverOneTree)
     EXPECT_EQ(alone, together);
 }
 
-// Nobody says that the camera was cut: the image is right in the very frame, and a frame later the
-// culler draws hardly more than one that was reset.
+// The caller does not report the camera's cut. The image is right in the same frame, and one frame
+// later the culler draws hardly more than one that was reset.
 TEST_P(ManyViews, FindACameraCutByThemselves)
 {
     const std::vector<ItemBounds> items = city();
@@ -240,7 +241,7 @@ std::vector<std::string> names()
 {
     std::vector<std::string> all;
     for (const AlgorithmInfo& info : algorithms()) {
-        if (info.name != "ideal") { // it must be told who owns a pixel
+        if (info.name != "ideal") { // it needs the owner of each pixel
             all.push_back(info.name);
         }
     }

@@ -110,7 +110,7 @@ View Camera::next(const RandomScene& scene)
         choose_place(scene);
     } else if (kind == 1) { // a spin
         target_ = eye_ + unit * random_offset(rng_, 5.0f);
-    } else if (kind != 2) { // a step, often through something; else it stands still
+    } else if (kind != 2) { // a step, often through a wall; otherwise it stands still
         eye_ += unit * random_offset(rng_, 0.6f);
         target_ += unit * random_offset(rng_, 0.4f);
     }

@@ -1,4 +1,4 @@
-// Cameras that look for trouble: cuts, spins, walls grazed, eyes inside of boxes.
+// Difficult cameras: cuts, spins, eyes that graze walls or are inside boxes.
 #pragma once
 
 #include "worlds/scene.h"
@@ -14,7 +14,7 @@ public:
     /// The `index`-th of the cameras of this world.
     Camera(const Spec& spec, const RandomScene& scene, uint32_t index);
 
-    /// The next frame's view.
+    /// The view of the next frame.
     View next(const RandomScene& scene);
 
 private:

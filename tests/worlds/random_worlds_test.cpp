@@ -1,4 +1,4 @@
-// Random worlds: every algorithm, with random options, on random trees over devices that fail at
+// Random worlds: every algorithm, with random options, on random trees, over devices that fail at
 // random, beside a picture of everything. `./dev soak` runs many more of them.
 #include "worlds/run_case.h"
 #include "worlds/spec.h"
@@ -17,7 +17,7 @@ constexpr uint64_t kCases = 40; // of each algorithm
 
 class RandomWorlds : public testing::TestWithParam<std::string> {};
 
-// Prints the seed, what failed, and the smallest world that fails, too.
+// Prints the seed, the failure, and the smallest world that fails.
 TEST_P(RandomWorlds, ShowEveryPixelThatDrawingEverythingShows)
 {
     Counts counts;
@@ -33,7 +33,7 @@ TEST_P(RandomWorlds, ShowEveryPixelThatDrawingEverythingShows)
                    << to_text(smallest);
         }
     }
-    // The worlds are evidence: images were compared, and much, but not everything, was hidden.
+    // The worlds are evidence: images were compared, and much, but not all, was hidden.
     const AlgorithmInfo& info = *find_algorithm(GetParam());
     EXPECT_EQ(counts.cases, kCases);
     if (info.exact || GetParam() == "prioritized") {
@@ -42,7 +42,7 @@ TEST_P(RandomWorlds, ShowEveryPixelThatDrawingEverythingShows)
         EXPECT_GT(counts.representative, counts.exact_cases / 2);
     }
     EXPECT_GT(counts.rays, 100u);
-    // Cells of uniform_grid hide little in worlds so small, and adaptive does not cull where
+    // In such small worlds the cells of uniform_grid hide little. adaptive does not cull where
     // drawing everything costs less than testing.
     const bool may_draw_most = GetParam() == "uniform_grid" || GetParam() == "adaptive";
     if (may_draw_most) {
@@ -68,7 +68,7 @@ std::vector<std::string> names()
 INSTANTIATE_TEST_SUITE_P(Every, RandomWorlds, testing::ValuesIn(names()),
                          [](const auto& info) { return info.param; });
 
-// The picture of everything is compared with a second truth, rays that share no code with it.
+// The picture of everything is compared with an independent one: rays that share no code with it.
 TEST(RandomWorldsReference, AgreesWithRays)
 {
     Counts counts;

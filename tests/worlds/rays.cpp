@@ -17,13 +17,13 @@ namespace occlude::worlds {
 
 namespace {
 
-// Rays go from the near plane (0) to the far plane (1). Where two surfaces are closer than this
-// share of it, float rounding may choose either.
+// Rays go from the near plane (0) to the far plane (1). Where two surfaces are closer together than
+// this share of the ray, rounding to float may choose either.
 constexpr double kClearlyNearer = 1e-4;
 constexpr double kSamePlace = 2.0 * kClearlyNearer;
 // Four steps of a float below 1, in window depth.
 constexpr double kDepthSteps = 0x1p-22;
-// Rays beside the centre of a pixel, so that an edge through it is noticed.
+// Rays beside the centre of a pixel detect edges that pass through the pixel.
 constexpr double kBeside = 0.05;
 
 struct Hit {
@@ -34,7 +34,7 @@ struct Hit {
                                       ///< a grid of 1/256 pixel
 };
 
-/// From the near plane (at 0) to the far plane or beyond all there is (at 1), relative to the
+/// From the near plane (at 0) to the far plane, or beyond the whole scene, (at 1), relative to the
 /// centre of the scene.
 struct Ray {
     glm::dvec3 origin{0.0};
@@ -59,7 +59,7 @@ public:
     {
     }
 
-    /// Nothing behind the eye, and nothing at infinity.
+    /// No point behind the eye, and none at infinity.
     std::optional<glm::dvec3> point(glm::dvec2 px, double depth01) const
     {
         const double stored = reversed_ ? 1.0 - depth01 : depth01;
@@ -108,8 +108,8 @@ private:
 };
 
 /// True if a triangle reaches to within a snap of the middle of a pixel. Rasterisers move vertices
-/// to a grid of 1/256 pixel, so that one seen edge-on, or thinner than the rays are apart, may show
-/// where no ray meets it. Needs no clipping: its edges are lines through the eye.
+/// to a grid of 1/256 pixel. A triangle edge-on, or thinner than the distance of the rays, may
+/// therefore show where no ray meets it. Needs no clipping: its edges are lines through the eye.
 bool within_a_snap(const Unprojection& unprojection, const std::array<glm::dvec3, 3>& triangle,
                    const glm::dvec2& middle)
 {
@@ -129,7 +129,7 @@ bool within_a_snap(const Unprojection& unprojection, const std::array<glm::dvec3
     return inside_left || inside_right;
 }
 
-/// The same of the triangle that a pixel shows.
+/// The same for the triangle that a pixel shows.
 bool shows_by_a_snap(const RandomScene& world, const Unprojection& unprojection,
                      const glm::dvec3& center, const CpuDevice::Owner& owner,
                      const glm::dvec2& middle)
@@ -143,7 +143,7 @@ bool shows_by_a_snap(const RandomScene& world, const Unprojection& unprojection,
                                                        middle);
 }
 
-/// One for each thread: making one takes longer than a world.
+/// One for each thread: to create one takes longer than a world.
 RTCDevice device_of_thread()
 {
     struct Owned {
@@ -207,7 +207,8 @@ struct Rays::Scene {
                 ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 1.0 : double{ray.ray.tfar}};
     }
 
-    /// What all rays through and around the middle of a pixel meet at about the same place.
+    /// The item that all rays through and around the middle of a pixel meet at about the same
+    /// depth.
     std::optional<Hit> sure(const Unprojection& unprojection, const glm::dvec2& middle,
                             double length) const
     {
@@ -276,8 +277,8 @@ std::string Rays::disagrees(const View& view, const CpuDevice& picture, uint32_t
         if (owner == ItemId{hit->item}) {
             continue;
         }
-        // Two surfaces in one place, or nearer to each other than a rasteriser can tell, as before
-        // oblique near planes, where depth varies much over the screen: either may be drawn.
+        // Two surfaces in one place, or closer together than a rasteriser can distinguish (as with
+        // oblique near planes, where depth varies much over the screen): either may be drawn.
         const auto shown = unprojection.point(middle, double{depth});
         const bool same_place = shown && std::abs(ray->at(*shown) - hit->at) <= kSamePlace;
         if (same_place || std::abs(hit->depth01 - double{depth}) <= hit->depth_error) {

@@ -1,5 +1,5 @@
-// A second truth about a picture: Embree's rays through the centres of the pixels. They share no
-// line with our rasteriser, our projection and our boxes.
+// An independent check of a picture: Embree's rays through the centres of the pixels. They share no
+// code with our rasteriser, our projection and our boxes.
 #pragma once
 
 #include "worlds/scene.h"
@@ -15,16 +15,16 @@ namespace occlude::worlds {
 
 class Rays {
 public:
-    /// Takes the opaque triangles of the scene as they are now; `scene` outlives this.
+    /// Takes the opaque triangles of the scene in their current places. `scene` outlives this.
     explicit Rays(const RandomScene& scene);
     ~Rays();
     Rays(const Rays&) = delete;
     Rays& operator=(const Rays&) = delete;
 
-    /// Empty, or which pixel of `picture` shows an item although rays through it say beyond doubt
-    /// that another is nearer. Looks at `pixels` pixels, chosen by `seed`, or at all if there are
-    /// no more; adds those without doubt to `compared`. Views that ignore their near plane show
-    /// what no ray from it meets: nothing is compared.
+    /// Empty, or the pixel of `picture` that shows an item although its rays clearly meet a nearer
+    /// one. Compares `pixels` pixels, chosen by `seed`, or all if there are no more. Adds the clear
+    /// cases to `compared`. Views that ignore their near plane show surfaces that no ray from it
+    /// meets: nothing is compared.
     std::string disagrees(const View& view, const CpuDevice& picture, uint32_t pixels,
                           uint64_t seed, uint64_t& compared) const;
 

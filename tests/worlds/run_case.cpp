@@ -21,7 +21,7 @@ namespace {
 
 constexpr uint32_t kFewTickets = 64;
 
-/// A clock that runs at random, and now and then stands still.
+/// A clock that runs at random, and sometimes stands still.
 SecondsClock random_clock(uint64_t seed)
 {
     return [rng = Rng{seed}, now = 0.0]() mutable {
@@ -54,9 +54,9 @@ public:
         , faulty_(device_, spec.faults)
         , validating_(faulty_, {.on_violation =
                                     [this](std::string_view rule, std::string_view message) {
-                                        // Tests beyond the device's limit are lost, so visible. Who
-                                        // shares a device cannot know what others have asked, and
-                                        // some of these devices have hardly any tickets.
+                                        // Tests beyond the device's limit are lost, so visible. A
+                                        // culler that shares a device cannot know the others'
+                                        // tests, and some of these devices have hardly any tickets.
                                         if (rule != "C11") {
                                             fail(std::string{rule} + ": " + std::string{message});
                                         }
@@ -149,7 +149,7 @@ private:
         }
     }
 
-    /// Draws everything there is: no tree, no frustum, no test.
+    /// Draws everything, without a tree, a frustum or a test.
     void draw_reference(const View& view)
     {
         std::vector<ItemId> opaque;

@@ -8,10 +8,10 @@
 
 namespace occlude::worlds {
 
-/// How much was compared; adds up over cases.
+/// Counts of comparisons; they add up over cases.
 struct Counts {
     uint64_t cases = 0;
-    uint64_t exact_cases = 0; ///< whose images were compared; the others' contract was
+    uint64_t exact_cases = 0; ///< cases with compared images; in the others only the contract was
     uint64_t frames = 0;
     uint64_t pixels = 0;
     uint64_t tests = 0;
@@ -27,11 +27,11 @@ struct Counts {
     double hidden_share() const;
 };
 
-/// Empty, or what went wrong first, as a sentence with the frame. Checks, in every frame:
+/// Empty, or the first failure, as a sentence with the frame. Checks, in every frame:
 ///   - the image of an exact culler equals that of drawing all items, without frustum culling: the
 ///     owner and the depth of every pixel, and all translucent fragments
-///   - no line of the contract is broken, by culler or device (ValidatingDevice)
-///   - the report counts what was drawn
+///   - neither culler nor device breaks a line of the contract (ValidatingDevice)
+///   - the report counts the drawn items
 std::string run_case(const Spec& spec, Counts& counts);
 
 /// The smallest spec found, by simpler(), that still fails.

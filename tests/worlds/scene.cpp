@@ -162,9 +162,9 @@ std::vector<ItemId> RandomScene::move(Rng& rng)
         }
         moved.push_back(ItemId{i});
         const uint32_t kind = rng.below(8);
-        if (kind == 0) { // it is gone
+        if (kind == 0) { // the item is gone
             fill(i, Aabb{}, rng);
-        } else if (kind == 1 || bounds_[i].box.is_empty()) { // another has its number
+        } else if (kind == 1 || bounds_[i].box.is_empty()) { // another item has its number
             put(i, rng);
         } else {
             const glm::vec3 step = point(rng, 1.0f) - center_;

@@ -28,8 +28,7 @@ public:
     /// The triangles of an item in the world, three positions each.
     std::vector<glm::vec3> triangles(ItemId item) const;
 
-    /// Moves some items, takes some away and puts others in the place of those; returns which
-    /// changed.
+    /// Moves some items, removes some and replaces them by others. Returns the changed ones.
     std::vector<ItemId> move(Rng& rng);
 
 private:

@@ -38,7 +38,8 @@ struct Results {
     }
 };
 
-/// Of each world, some pixels of one frame are compared with rays, too; of every 256th all of them.
+/// Of each world, some pixels of one frame are compared with rays, too. Of every 256th world it is
+/// all pixels.
 constexpr uint32_t kRayPixels = 100;
 constexpr uint64_t kAllRaysEvery = 256;
 constexpr size_t kMaxFailures = 20;

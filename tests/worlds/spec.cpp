@@ -54,7 +54,7 @@ std::string random_value(const OptionInfo& option, Rng& rng)
     return text.str();
 }
 
-/// Options that make an image approximate are for other tests; seeds change nothing that counts.
+/// Options that make an image approximate have other tests. Seeds change nothing that is checked.
 bool keeps_exact(const OptionInfo& option)
 {
     constexpr std::array kApproximate{"threshold", "finish", "seed", "max_visible_samples"};
@@ -137,7 +137,7 @@ Spec random_spec(uint64_t seed, const std::string& algorithm)
     spec.near_plane = std::array{0.1f, 0.1f, 0.001f, 1.0f}[rng.below(4)];
     spec.mirrored = rng.below(8) == 0;
     spec.depth_clamp = rng.below(8) == 0;
-    // In world coordinates, positions far away round by more than the world is large.
+    // In world coordinates, far positions round by more than the size of the world.
     spec.camera_relative = rng.below(spec.offset > 100.0f ? 16 : 2) != 0;
     spec.resets = rng.below(5) == 0;
     choose_culler(spec, rng, algorithm);

@@ -48,13 +48,13 @@ struct Spec {
     bool rays_in_every_frame = false; ///< else in one
 };
 
-/// The spec of a seed: the same everywhere. `algorithm`: empty for any.
+/// The spec of a seed, the same on every machine. An empty `algorithm` allows any.
 Spec random_spec(uint64_t seed, const std::string& algorithm = {});
 
-/// In one line, all that is not the default.
+/// All values that differ from the default, in one line.
 std::string to_text(const Spec& spec);
 
-/// Smaller and simpler specs, the boldest first: what to try when `spec` fails.
+/// Smaller and simpler specs to try when `spec` fails, the simplest first.
 std::vector<Spec> simpler(const Spec& spec);
 
 } // namespace occlude::worlds

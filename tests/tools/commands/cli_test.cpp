@@ -184,7 +184,7 @@ TEST(Cli, BenchMeasuresAndWritesItsReports)
                "--set", "chc.threshold=0", "--json", json, "--csv", csv, "--html", html}));
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.err, ""); // nobody watches: no progress
-    for (const char* algorithm : {"frustum", "chc", "opt", "ideal"}) { // the references too
+    for (const char* algorithm : {"frustum", "chc", "opt", "ideal"}) { // including the references
         EXPECT_NE(outcome.out.find(std::string{"\n"} + algorithm + " "), std::string::npos)
             << outcome.out;
     }
@@ -252,7 +252,7 @@ TEST(Cli, VerifyWalksASmoothPathAndOneWithJumpsAndExitsWithZero)
     EXPECT_EQ(outcome.out.find("DIFFERS"), std::string::npos);
 }
 
-// llvmpipe gives four where two are asked for; the table says what the images have.
+// llvmpipe gives four samples for two requested ones. The table states the actual number.
 TEST(Cli, TheTableSaysHowManySamplesThereAreNotHowManyWereAskedFor)
 {
     const std::string json = write_file("samples.json", "").string();

@@ -3,7 +3,7 @@
 namespace occlude::tools {
 namespace {
 
-// What a terminal saw: every part, and in the end an empty line.
+// The output as a terminal sees it: every part, and an empty line at the end.
 void expect_watched(const std::vector<std::string>& arguments,
                     const std::vector<std::string>& parts)
 {

@@ -1,4 +1,4 @@
-// What the commands say about scene files, and about frames that prove nothing.
+// Messages of the commands about scene files, and about frames that prove nothing.
 #include "support/source_dir.h"
 #include "tools/cli_runner.h"
 

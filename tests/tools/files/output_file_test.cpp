@@ -174,7 +174,7 @@ TEST(OutputFile, AFileThatStandardErrorGoesToIsContinuedNotReplaced)
 }
 
 // Ctrl-C while a large file is being written: the process ends by the signal, and its temporary
-// file is gone.
+// file is deleted.
 TEST(TemporaryFile, ASignalThatEndsTheProgramRemovesIt)
 {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {

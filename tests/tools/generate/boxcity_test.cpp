@@ -31,7 +31,7 @@ TEST(BoxCity, SubdividedBoxesFillTheUnitBox)
     const Mesh mesh = make_subdivided_box(252, 100000);
     ASSERT_EQ(mesh.parts.size(), 1u);
     EXPECT_EQ(mesh.parts[0].box, (Aabb{{-0.5f, 0.0f, -0.5f}, {0.5f, 1.0f, 0.5f}}));
-    double volume = 0.0; // outward faces: the signed volume is that of the box
+    double volume = 0.0; // faces point outward: the signed volume equals that of the box
     for (size_t i = 0; i < mesh.indices.size(); i += 3) {
         const glm::dvec3 a{mesh.positions[mesh.indices[i]]};
         const glm::dvec3 b{mesh.positions[mesh.indices[i + 1]]};

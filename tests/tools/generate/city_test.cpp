@@ -70,7 +70,7 @@ TEST(City, PartitionsItsHouses)
 
 TEST(City, IsTheSameOnEveryMachine)
 {
-    // Changes only with the generator: it must not differ between compilers and libraries.
+    // Changes only with the generator: the result must not differ between compilers and libraries.
     EXPECT_EQ(hash_of(test::loaded("city:blocks=3,seed=7,triangles=300k", test::kHashedOptions)),
               1063263254794902263u);
 }

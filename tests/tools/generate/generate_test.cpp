@@ -17,7 +17,7 @@ using namespace test;
 
 using Corner = std::tuple<float, float, float>;
 
-/// The boxes of all objects, in no order.
+/// The boxes of all objects, in any order.
 std::map<std::pair<Corner, Corner>, int> boxes_of(const SceneModel& model)
 {
     std::map<std::pair<Corner, Corner>, int> boxes;

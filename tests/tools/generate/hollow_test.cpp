@@ -38,8 +38,9 @@ TEST(Hollow, IsSoundAndItsPathsAreFree)
     }
 }
 
-/// The share of the items in the frustum of the path's middle camera whose boxes a test against the
-/// finished frame finds visible; a perfect test of the objects themselves leaves 1 - hidden_share.
+/// The share of the items in the frustum of the path's middle camera whose boxes are visible
+/// against the depth of the finished frame. With a perfect test of the objects themselves it is 1 -
+/// hidden_share.
 double share_of_boxes_seen(const SceneModel& model, const std::string& path)
 {
     constexpr glm::ivec2 kSize{320, 180};

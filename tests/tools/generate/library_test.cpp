@@ -53,8 +53,8 @@ TEST(Library, OneSeesThroughTheShelvesButNotFar)
     const double hidden = hidden_share(model, "walk", 8);
     EXPECT_GT(hidden, 0.5);
     EXPECT_LT(hidden, 0.97);
-    // Between the books of a row the eye reaches the rows behind it: beside the walker, at the
-    // height of the gap under a board, something is farther than the next row.
+    // Between the books of a row the eye sees the rows behind it: some pixel beside the walker, at
+    // the height of the gap under a board, is farther than the next row.
     const SegmentTester tester(model);
     const std::vector<Keyframe> walk = keys_of(model, "walk");
     size_t open = 0;

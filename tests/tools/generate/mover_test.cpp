@@ -59,7 +59,7 @@ TEST(Movers, GoFromKeyToKey)
         }
     }
     EXPECT_EQ(glm::vec3{placed(model, 3, 100)[3]}, glm::vec3(3.0f, 9.0f, 1.0f));
-    // The others stay; one comes and goes.
+    // The other objects stay; one appears and disappears.
     EXPECT_EQ(placed(model, 0, 9), model.instances[0].world_from_mesh);
     for (const auto& [frame, there] : {std::pair{0u, false}, {1u, true}, {2u, true}, {3u, false}}) {
         EXPECT_EQ(exists(model.motion.instances[1], frame), there) << frame;

@@ -37,7 +37,7 @@ TEST(Teapot, OnlyTheLidsSlitAndTheEndsOfHandleAndSpoutAreOpen)
     const uint32_t steps = 6;
     const Mesh mesh = make_teapot(steps, kWhole);
     using Point = std::tuple<float, float, float>;
-    std::map<std::pair<Point, Point>, int> edges; // by direction: each must have its opposite
+    std::map<std::pair<Point, Point>, int> edges; // by direction: each edge needs its opposite
     const auto point = [&](size_t i) {
         const glm::vec3& p = mesh.positions[mesh.indices[i]];
         return Point{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
@@ -52,7 +52,7 @@ TEST(Teapot, OnlyTheLidsSlitAndTheEndsOfHandleAndSpoutAreOpen)
         EXPECT_EQ(count, 1) << "two triangles turn the same way around an edge";
         open += edges.count({edge.second, edge.first}) == 0;
     }
-    // The rim's inner edge, the lid's outer edge; two ends of the handle and two of the spout.
+    // The rim's inner edge, the lid's outer edge, two ends of the handle and two of the spout.
     EXPECT_EQ(open, 2 * 4 * steps + 4 * 2 * steps);
 }
 

@@ -87,7 +87,7 @@ TEST(BrokenFiles, IndicesBeyondTheVerticesAreAnErrorOrAtLeastNoCrash)
 
 TEST(BrokenFiles, JsonThatNestsTooDeeplyIsRefused)
 {
-    constexpr size_t kDepth = 300000; // a stack frame each would be more than there is
+    constexpr size_t kDepth = 300000; // one stack frame for each would overflow the stack
     const TempFolder folder;
     const std::string list = repeated("[", kDepth) + std::string(kDepth, ']');
     const std::string object = repeated("{\"a\":", kDepth) + "1" + std::string(kDepth, '}');
@@ -101,7 +101,7 @@ TEST(BrokenFiles, JsonThatNestsTooDeeplyIsRefused)
                      says);
         expect_error(folder.write("only.gltf", deep), ErrorCode::bad_data, says);
     }
-    // What nests less is read, and brackets in strings are none.
+    // Less deeply nested files are read, and brackets in strings do not count.
     std::string gltf = two_instances_gltf("");
     gltf.insert(1, "\"extras\":" + std::string(200, '[') + "\"\\\"" + std::string(300, '[') + '"' +
                        std::string(200, ']') + ',');
@@ -147,7 +147,7 @@ TEST(BrokenFiles, NodesThatAreManyByHavingSeveralParentsAreRefused)
     expect_error(gltf_file(20), ErrorCode::bad_data, "nodes have several parents");
 }
 
-/// A Collada file whose node is its own child: nothing but Assimp looks at that.
+/// A Collada file whose node is its own child: only Assimp reads that.
 TEST(BrokenFiles, AFileThatCrashesAssimpIsRefusedWithASentence)
 {
     const TempFolder folder;

@@ -1,4 +1,5 @@
-// Triangles and objects that a file holds twice: what is drawn once, what twice, and what is said.
+// Triangles and objects that a file holds twice: which are drawn once, which twice, and the
+// messages.
 #include "generate/scene_source.h"
 #include "tools/temp_folder.h"
 

@@ -1,4 +1,4 @@
-// The same town wherever it lies and however large its unit is: the same picture, the same items.
+// The same town at any place and in any unit gives the same picture and the same items.
 #include "generate/scene_source.h"
 #include "measure/stage.h"
 #include "render/gl_renderer.h"
@@ -73,7 +73,7 @@ enum class Device { cpu, gl };
 struct Shot {
     Image image;
     Image culled;                           ///< drawn by two_phase
-    std::set<uint32_t> hidden;              ///< items in the frustum that it did not draw
+    std::set<uint32_t> hidden;              ///< items in the frustum that two_phase did not draw
     std::map<uint32_t, uint64_t> pixels_of; ///< by item
     uint64_t items = 0;                     ///< in the frustum
 };
@@ -107,8 +107,8 @@ Shot look(const TempFolder& folder, const glm::dvec3& offset, double scale,
     (*renderer)->render(view, items);
     shot.image = (*renderer)->capture().color;
     const Hierarchy tree = build_bvh(cull.scene.item_bounds(), {.leaf_triangles = 0});
-    // From the third frame on, every box is tested against the depth of all that shows. In earlier
-    // ones the order of the tests counts too, and rounding decides it between equal distances.
+    // From the third frame on, every box is tested against the full depth of the frame. In earlier
+    // frames the order of the tests matters, and rounding decides it between equal distances.
     TwoPhase culler(tree, {.final_depth = true});
     for (int frame = 0; frame < 3; ++frame) {
         culler.cull(view, (*renderer)->device());
@@ -123,7 +123,7 @@ Shot look(const TempFolder& folder, const glm::dvec3& offset, double scale,
     return shot;
 }
 
-/// Items that own more than a few pixels: those that rounding cannot make visible or hidden.
+/// Items that own more than a few pixels: rounding cannot make these visible or hidden.
 std::set<uint32_t> clearly_visible(const Shot& shot)
 {
     std::set<uint32_t> items;
@@ -144,7 +144,7 @@ void expect_same_picture(const Shot& shot, const Shot& reference)
     EXPECT_EQ(count_differences(shot.culled, shot.image), 0u) << "culling changed the picture";
 }
 
-/// A camera, a light and shades of more than the background.
+/// The picture is evidence: many items, of which some are clearly visible and some hidden.
 void expect_evidence(const Shot& near)
 {
     ASSERT_GT(near.items, 20u);

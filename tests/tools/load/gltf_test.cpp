@@ -122,7 +122,7 @@ TEST(Gltf, SparseAccessorsReplaceWhatTheyList)
     ASSERT_TRUE(model) << model.error().message;
     EXPECT_NEAR(world_bounds(*model).max.y, 7.0f, 1e-4f);
 
-    // Without a buffer view the rest is zeros.
+    // Without a buffer view, the other values are zeros.
     builder.root()["accessors"][positions].erase("bufferView");
     builder.root()["accessors"][positions]["sparse"]["count"] = 1;
     const auto flat = load_scene(builder.write(folder));
@@ -344,7 +344,7 @@ TEST(Gltf, MemoryBeyondTheBudgetIsRefusedBeforeItIsTaken)
         << model.error().message;
 }
 
-/// Many primitives that share one array of vertices: each mesh keeps only those that it uses.
+/// Many primitives share one array of vertices. Each mesh keeps only the vertices that it uses.
 TEST(Gltf, MeshesKeepOnlyTheVerticesThatTheyUse)
 {
     constexpr size_t kTriangles = 500;

@@ -125,7 +125,7 @@ TEST(GuardedChild, AScenesBytesThatAreCutOffAreNoScene)
         EXPECT_FALSE(read_scene(bytes.first(cut))) << cut;
     }
     std::vector<uint8_t> wrong(bytes.begin(), bytes.end());
-    for (size_t i = 0; i < wrong.size(); ++i) { // whatever a byte becomes, it is safe to use
+    for (size_t i = 0; i < wrong.size(); ++i) { // any changed byte is safe to use
         wrong[i] ^= 0xff;
         if (const auto read = read_scene(wrong)) {
             for (const LoadedMesh& mesh : read->meshes) {

@@ -50,7 +50,7 @@ TEST(Loader, TakesOpacityFromMaterials)
     EXPECT_TRUE(
         has_flag(make_cull_scene(*quad).scene.item_flags(ItemId{0u}), ItemFlags::translucent));
 
-    // glTF blends only in one of its modes.
+    // glTF has one alpha mode that blends.
     folder.write("tri.bin", triangle_buffer());
     std::string gltf = two_instances_gltf(R"(,"uri":"tri.bin")");
     gltf.replace(gltf.find("0.125,1]"), 8, "0.125,0.3]");
@@ -135,7 +135,7 @@ TEST(Loader, MakesSharpNormalsAtSharpEdgesAndSmoothOnesElsewhere)
 
 TEST(Loader, TakesLevelsInGameUnitsForWhatTheyAre)
 {
-    // A grid of large triangles, 4000 units long: no scene in metres looks like that.
+    // A grid of large triangles, 4000 units long: too large for a scene in metres.
     std::string obj;
     for (int i = 0; i < 40; ++i) {
         for (int j = 0; j < 2; ++j) {

@@ -1,4 +1,4 @@
-// Files that were once read wrong, each with what is right. See tests/data/scenes/README.md.
+// Unusual files and their correct scenes. See tests/data/scenes/README.md.
 #include "generate/scene_source.h"
 #include "load/assimp_files.h"
 #include "model/focus.h"
@@ -223,7 +223,8 @@ TEST(OddFiles, TheSameTownFarAwayIsTheSameTown)
         const SceneModel far = load_odd(name);
         EXPECT_NE(far.origin, glm::dvec3{0.0}) << name;
         ASSERT_EQ(far.instances.size(), near.instances.size()) << name;
-        // Against the first object, so that it does not matter where the origin was put.
+        // Places are relative to the first object, so that the position of the origin does not
+        // matter.
         for (size_t i = 1; i < near.instances.size(); ++i) {
             const glm::vec4 right =
                 near.instances[i].world_from_mesh[3] - near.instances[0].world_from_mesh[3];

@@ -1,4 +1,4 @@
-// Which unit a scene is taken to have, by its storeys and its doors.
+// The unit that a scene is estimated to have, by its storeys and its doors.
 #include "load/scene_measures.h"
 #include "model/mesh_tools.h"
 

@@ -1,4 +1,4 @@
-// Small scene files as text, whole and damaged, and what a scene made of them must hold.
+// Small scene files as text, complete and damaged, and checks of the scenes made of them.
 #pragma once
 
 #include "generate/scene_source.h"
@@ -78,7 +78,7 @@ inline std::string repeated(const std::string& text, size_t times)
     return all;
 }
 
-/// The scene of two_instances_gltf(), with other nodes of which the first is its root.
+/// The scene of two_instances_gltf(), with other nodes. The first of them is its root.
 inline std::string gltf_with_nodes(const std::string& nodes, const std::string& buffer_uri)
 {
     std::string gltf = two_instances_gltf(buffer_uri);
@@ -87,7 +87,7 @@ inline std::string gltf_with_nodes(const std::string& nodes, const std::string& 
     return gltf.replace(gltf.find("[0,1]"), 5, "[0]");
 }
 
-/// Nodes of which each but the last has the next as a child, `times` times.
+/// `times` nodes, each but the last with the next as its child.
 inline std::string chain_of_nodes(size_t count, size_t times = 1)
 {
     std::string nodes = "[";
@@ -120,7 +120,7 @@ inline void expect_two_instances(const Result<SceneModel>& model)
     EXPECT_EQ(model->unit, 1.0f);
 }
 
-/// What renderers rely on.
+/// Expects everything that renderers rely on.
 inline void expect_sound(const SceneModel& model)
 {
     ASSERT_FALSE(model.instances.empty());

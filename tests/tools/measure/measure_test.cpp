@@ -146,7 +146,8 @@ TEST(TimingDevice, ChargesWaitsAndVerbsByTheClock)
     const std::vector<uint32_t> ends = {1};
     std::vector<Ticket> tickets(1);
     device.query({boxes, ends}, tickets);
-    EXPECT_EQ(device.wait(tickets[0]).samples, 0u); // hidden by the wall: it did reach the device
+    EXPECT_EQ(device.wait(tickets[0]).samples,
+              0u); // hidden by the wall: the draw reached the device
     device.end_frame();
     EXPECT_DOUBLE_EQ(device.wait_seconds(), 1.0);
     EXPECT_DOUBLE_EQ(device.verb_seconds(), 5.0);
@@ -224,16 +225,16 @@ TEST(Measure, MedianOverRepeatsIsTheFigureOfAFrame)
     TinyStage tiny{wall_model()};
     std::string notes;
     const std::vector<View> views(1, look_along_z());
-    // Every look at the clock takes 1 ms more than the one before it.
+    // Every reading of the clock takes 1 ms more than the last one.
     double now = 0.0;
     double step = 0.0;
     const SecondsClock clock = [&] { return now += (step += 0.001); };
     const std::vector<Contender> contenders = {noting('a', notes)};
     const auto runs = measure(tiny.stage(), contenders, views, {.repeat = 3, .clock = clock});
     ASSERT_TRUE(runs);
-    // A frame looks at the clock at its start, twice per verb (begin_frame, end_frame), when culled
-    // and at its stop: 7 times. Repeat r ends with look 7 r + 7 and lasts looks 7 r + 2 to 7 r + 7;
-    // the middle one is 9 + 10 + ... + 14 ms.
+    // A frame reads the clock at its start, twice per verb (begin_frame, end_frame), when culled
+    // and at its stop: 7 times. Repeat r ends with reading 7 r + 7 and lasts readings 7 r + 2 to 7
+    // r + 7. The middle repeat takes 9 + 10 + ... + 14 ms.
     EXPECT_NEAR((*runs)[0].frames[0].frame_ms, 69.0, 1e-9);
     EXPECT_DOUBLE_EQ((*runs)[0].frames[0].wait_ms, 0.0);
 }
@@ -302,7 +303,7 @@ TEST(Measure, SampledFramesAreWhatTheyAreOnTheWholeWalk)
     ASSERT_TRUE(whole && sampled);
     for (size_t i = 0; i < whole->size(); ++i) {
         const AlgorithmRun& run = (*sampled)[i];
-        ASSERT_EQ(run.frames.size(), 2u); // the last of each three: frames 2 and 5 of 0 to 7
+        ASSERT_EQ(run.frames.size(), 2u); // the last frame of each three: 2 and 5 of 0 to 7
         for (const FrameFigures& figures : run.frames) {
             EXPECT_EQ(figures.frame % 3, 2u);
             const FrameFigures& same = (*whole)[i].frames[figures.frame];

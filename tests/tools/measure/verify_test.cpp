@@ -15,8 +15,8 @@ using namespace test;
 
 namespace {
 
-// A renderer whose target is one row of pixels and whose items are runs of it: the first of equal
-// depths wins, as with GL_LESS.
+// A renderer whose target is one row of pixels and whose items are runs of pixels. Of equal depths
+// the first wins, as with GL_LESS.
 class RowRenderer final : public SceneRenderer {
 public:
     struct Strip {
@@ -210,7 +210,7 @@ TEST(Verify, DroppingWhatNobodySeesIsRight)
 
 namespace {
 
-// Walks before and behind the wall with jumps between and turns on the way.
+// Moves before and behind the wall, with jumps between and some turns.
 void expect_all_algorithms_exact(const Stage& stage)
 {
     std::vector<View> views;

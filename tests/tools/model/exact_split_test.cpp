@@ -62,7 +62,7 @@ TEST(ExactSplit, IsTheSameFromTheCache)
     EXPECT_GT(first.positions.size(), slanted_mesh().positions.size());
     expect_same(first, second);
     expect_same(first, uncached);
-    // Nothing unfinished is left.
+    // No unfinished part is left.
     EXPECT_EQ(std::distance(fs::directory_iterator{cache}, fs::directory_iterator{}), 1);
 }
 

@@ -31,7 +31,7 @@ struct MovingStage {
         : tiny(std::move(model), kSize)
     {
     }
-    /// On another renderer, if one is given.
+    /// Uses `other` as the renderer, if it is given.
     Stage stage(SceneRenderer* other = nullptr)
     {
         SceneRenderer& renderer = other != nullptr ? *other : *tiny.renderer;
@@ -54,7 +54,7 @@ struct MovingStage {
     std::unique_ptr<MotionPlayer> player;
 };
 
-/// Small, but dense enough that much is hidden, and fast enough that much changes.
+/// Small, but dense enough to hide much, and fast enough to change much.
 SceneModel crowd()
 {
     SceneModel model = generate_movers({.count = 300, .seed = 3, .triangles = 8000});
@@ -111,7 +111,7 @@ void expect_exact(const Stage& stage, const std::vector<View>& views)
         if (run.algorithm == "frustum") {
             frustum_items = summary.total.items_drawn;
         }
-        if (run.algorithm == "ideal") { // else the scene is no evidence
+        if (run.algorithm == "ideal") { // otherwise the scene is no evidence
             EXPECT_LT(summary.total.items_drawn, frustum_items * 9 / 10);
         }
     }
@@ -324,7 +324,7 @@ TEST(MotionPlayer, AMissingRefitIsCaught)
     }
     MovingStage moving{std::move(model)};
     Stage stage = moving.stage();
-    // Everything moves but the tree: what is refitted is another one.
+    // The objects move, and the tree stays as it is: another tree is refitted.
     Hierarchy refitted = moving.tiny.hierarchy;
     RefittedTree tree{refitted, moving.tiny.scene.scene, MovingStage::build};
     MotionPlayer forgetful{moving.tiny.model, moving.tiny.scene, tree, stage.renderer};

@@ -1,4 +1,5 @@
-// What in a scene keeps culling from paying: each finding with its names, and when it is not made.
+// Findings about properties of a scene that make culling useless: each with its names, and when it
+// is not reported.
 #include "model/mesh_tools.h"
 #include "model/scene_advice.h"
 

@@ -75,7 +75,8 @@ size_t at(int x, int y)
     return static_cast<size_t>(y * kSize.x + x);
 }
 
-// The colour of a surface facing +z or -z: its base times ambient and the light's share.
+// The colour of a surface that faces +z or -z: its base colour times the ambient light and its
+// share of the light.
 uint32_t expected_color(glm::vec3 base)
 {
     const float cosine = 0.45f / std::sqrt(0.4f * 0.4f + 0.8f * 0.8f + 0.45f * 0.45f);
@@ -134,7 +135,7 @@ TEST(CpuRenderer, FramesDrawnThroughTheDeviceEqualRenderedOnes)
     renderer->render(front_view(), ids({0, 1, 2, 3, 4}));
     const Capture reference = renderer->capture();
 
-    // Other order, hidden items left out, depth first.
+    // Another order, without hidden items, depth first.
     QueryDevice& device = renderer->device();
     device.begin_frame(front_view());
     device.draw(ids({2, 1}), DrawPass::depth_only);
@@ -146,7 +147,7 @@ TEST(CpuRenderer, FramesDrawnThroughTheDeviceEqualRenderedOnes)
     EXPECT_EQ(culled.color.pixels, reference.color.pixels);
     EXPECT_EQ(culled.depth, reference.depth);
 
-    // Leaving out a visible item does show.
+    // Without a visible item, the image differs.
     renderer->render(front_view(), ids({0, 1}));
     EXPECT_NE(renderer->capture().color.pixels, reference.color.pixels);
 }

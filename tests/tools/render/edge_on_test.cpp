@@ -7,8 +7,8 @@
 namespace occlude::tools {
 namespace {
 
-// Triangles before `eye`, which looks along -z: each is a part, each in a plane with the eye, and
-// none longer than some 16 of the pixels of a target `rows` pixels high, 60 degrees.
+// Triangles before `eye`, which looks along -z. Each is a part, lies in a plane with the eye, and
+// is at most about 16 pixels long on a target `rows` pixels high, at 60 degrees.
 Mesh edge_on_triangles(uint32_t count, const glm::vec3& eye, int rows)
 {
     Mesh mesh;
@@ -34,9 +34,9 @@ Mesh edge_on_triangles(uint32_t count, const glm::vec3& eye, int rows)
     return mesh;
 }
 
-// Such triangles cover samples only because their vertices are snapped, and a box that is to be
-// found visible for such a sample must be no farther than it. llvmpipe breaks that for a few of
-// these needles, by at most 3e-5 (docs/conventions.md, "Boxes").
+// Such triangles cover samples only because their vertices are snapped. A box that is visible at
+// such a sample must be no farther than the triangle there. llvmpipe breaks that for a few of these
+// needles, by at most 3e-5 (docs/conventions.md, "Boxes").
 TEST(GlRendererScenes, HardlyASampleIsNearerThanTheBoxOfTheTriangleThatOwnsIt)
 {
     constexpr glm::ivec2 kTarget{640, 360};

@@ -1,6 +1,6 @@
-// Exactness on OpenGL, with the program's renderer: under every projection, multisampled or not, by
-// every test method, and far from the origin. The reference draws all items, whatever the frustum
-// test says of them. tests/cull/camera_exactness_test.cpp does the same on the CPU device.
+// Exactness on OpenGL, with the program's renderer: under every projection, with and without
+// multisampling, with every test method, and far from the origin. The reference draws all items,
+// without a frustum test. tests/cull/camera_exactness_test.cpp does the same on the CPU device.
 #include "measure/stage.h"
 #include "render/gl_renderer.h"
 #include "render/image.h"
@@ -49,8 +49,9 @@ Mesh cube()
     return mesh;
 }
 
-/// Cubes that are stretched, turned and mirrored into the boxes of a random world. With `grid`,
-/// everything lies on multiples of 1/64 and stands upright, so that a whole offset changes no bit.
+/// Cubes that are stretched, turned and mirrored into the boxes of a random world. With `grid`, all
+/// coordinates are multiples of 1/64 and no cube is turned, so that an integer offset changes no
+/// bit.
 SceneModel model_of(std::span<const test::DoubleBox> boxes, const glm::dvec3& offset, bool grid)
 {
     SceneModel model;
@@ -105,7 +106,7 @@ struct World {
     std::vector<ItemId> all;
 };
 
-/// Whether surfaces may share a depth: then the order of draws decides which one shows.
+/// True if surfaces may share a depth: then the order of draws decides which one is visible.
 enum class Ties { none, expected };
 
 size_t differing(const Capture& a, const Capture& b, Ties ties = Ties::none)
@@ -195,7 +196,7 @@ TEST(GlExactness, EveryProjectionByEveryMethod)
             const std::vector<View> views =
                 views_of(projection, 703, 2 * static_cast<size_t>(test::soak_factor()));
             const std::vector<Capture> references = references_of(world, views);
-            // A near plane so close leaves few steps of depth for the rest of the world.
+            // So close a near plane leaves few steps of depth for the rest of the world.
             const Ties ties =
                 std::string_view{projection.name} == "tiny near" ? Ties::expected : Ties::none;
             for (const std::string algorithm :
@@ -208,7 +209,7 @@ TEST(GlExactness, EveryProjectionByEveryMethod)
     }
 }
 
-// The driver names it where it refuses more: llvmpipe has four, also where two are asked for.
+// The driver gives this number for larger requests. llvmpipe has four, also for two requested ones.
 int most_samples(World& world)
 {
     const auto refused = world.renderer->resize(kSize, 1 << 20);
@@ -261,7 +262,7 @@ TEST(GlExactness, EveryExactAlgorithmWithAllNumbersOfSamplesThatTheDriverHas)
     }
 }
 
-// A sample off the middle of its pixel can belong to an item that no middle belongs to.
+// A sample away from the middle of its pixel can belong to an item that owns no middle.
 TEST(GlExactness, OwnersOfSamplesAreMoreThanOwnersOfPixels)
 {
     Rng rng(706);
@@ -280,8 +281,8 @@ TEST(GlExactness, OwnersOfSamplesAreMoreThanOwnersOfPixels)
     EXPECT_GT(of_samples, of_pixels);
 }
 
-// The renderer subtracts the camera's place first: where an offset changes no bit of the positions,
-// it changes no bit of the image.
+// The renderer subtracts the camera's position first. An offset that changes no bit of the
+// positions changes no bit of the image.
 TEST(GlExactness, AnOffsetChangesNoBitOfTheImage)
 {
     Rng rng(708);

@@ -143,7 +143,7 @@ TEST_F(GlRendererTest, MergedRunsDrawWhatSingleItemsDraw)
 
 TEST_F(GlRendererTest, OnlyTrianglesThatFollowEachOtherAreMerged)
 {
-    // Parts 1 and 3, and 4 before 3, of one sphere: what lies between must not be drawn.
+    // Parts 1 and 3, and 4 before 3, of one sphere. The parts between must not be drawn.
     for (const std::array<uint32_t, 2>& parts : {std::array{2u, 4u}, std::array{5u, 4u}}) {
         const std::array<ItemId, 2> two{ItemId{parts[0]}, ItemId{parts[1]}};
         ASSERT_EQ(items[two[0].value].instance, items[two[1].value].instance);
@@ -157,7 +157,7 @@ TEST_F(GlRendererTest, OnlyTrianglesThatFollowEachOtherAreMerged)
 
 TEST_F(GlRendererTest, EachItemIsDrawnAlone)
 {
-    // The second part of an instance, without the first: nothing else may come with it.
+    // The second part of an instance without the first. No other part may be drawn with it.
     const ItemId second{2u};
     ASSERT_EQ(items[2].part, 1u);
     const std::vector<uint32_t> ids = renderer->render_ids(test_view(), {&second, 1});
@@ -279,7 +279,7 @@ TEST_F(GlRendererTest, ConventionsOfDepthDrawTheSamePicture)
          {ClipConvention{DepthRange::zero_to_one, DepthOrder::near_is_small},
           ClipConvention{DepthRange::zero_to_one, DepthOrder::near_is_large}}) {
         const Capture other = image_of(*renderer, all, test_view(kSize, convention));
-        // Another rounding of depth may decide single pixels where surfaces cross.
+        // A different rounding of depth may decide single pixels where surfaces cross.
         EXPECT_LE(count_differences(other.color, expected.color), 5u);
     }
 }
@@ -324,7 +324,7 @@ TEST_F(GlRendererTest, WarmUpLeavesTheNextFrameAsItIs)
 
 TEST_F(GlRendererTest, HiddenSpheresAreFoundHidden)
 {
-    // Every sphere's box against the ground seen from below: all are hidden.
+    // Every sphere's box against the ground, from below: all are hidden.
     const View below = View::from_clip(
         glm::perspectiveRH_NO(1.0f, 1.0f, 0.1f, 100.0f) *
             glm::lookAt(glm::vec3{0, -4, 3}, glm::vec3{0, 0, -3}, glm::vec3{0, 1, 0}),

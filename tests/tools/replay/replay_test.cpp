@@ -1,5 +1,5 @@
-// Recordings: a run repeats bit by bit without its scene and without its device, and a file that is
-// not what it says ends with a sentence.
+// Recordings: a run repeats bit by bit without its scene and without its device. A broken file ends
+// with a sentence.
 #include "replay/replay.h"
 
 #include "commands/cli.h"
@@ -112,7 +112,7 @@ TEST(Replay, NamesTheFrameInWhichARunDecidesDifferently)
     EXPECT_EQ(replayed->mismatch, "frame 2: it decided differently");
     EXPECT_EQ(replayed->frames, 2u);
 
-    RecordedRun other_algorithm = *chc; // it makes other calls to the device
+    RecordedRun other_algorithm = *chc; // stop_and_wait makes other calls to the device
     other_algorithm.algorithm = "stop_and_wait";
     replayed = replay(recording, other_algorithm);
     ASSERT_TRUE(replayed);
@@ -160,7 +160,7 @@ TEST(Replay, FilesThatAreCutOffChangedOrStrangeEndWithASentence)
     EXPECT_NE(missing.err.find("nothing.rec: cannot be read"), std::string::npos);
 }
 
-// The hash of a hostile file is right, so what it says is all there is to stop it.
+// A hostile file has a right hash, so that only checks of its contents can stop it.
 TEST(Replay, HostileTreesAreRefusedNotWalked)
 {
     const RunRecording recording = small_recording();
@@ -180,7 +180,7 @@ TEST(Replay, HostileTreesAreRefusedNotWalked)
         uint32_t& field = *fields[rng.below(fields.size())];
         const uint32_t before = field;
         field = rng.below(2) == 0 ? kValues[rng.below(kValues.size())] : field + 1;
-        // Inner nodes may be virtual leaves or not; everything else is determined.
+        // Inner nodes may be virtual leaves or not. Everything else is determined.
         const bool other_leaf = &field == &node.leaf && field <= 1;
         const std::string problem = check_tree(changed);
         EXPECT_TRUE(field == before || other_leaf || !problem.empty()) << before << " " << field;

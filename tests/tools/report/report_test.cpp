@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Two frames of one algorithm, figures easy to recognise.
+// Two frames of one algorithm, with figures that are easy to recognise.
 BenchDocument example()
 {
     AlgorithmRun run{"chc", Guarantee::exact(), std::vector<FrameFigures>(2), "bvh"};
@@ -239,7 +239,7 @@ TEST(HtmlReport, NamesTheEntriesOfASuiteAndFoldsWhatMayDiffer)
     const size_t folded = html.find("<details>");
     ASSERT_NE(open, std::string::npos); // chc broke its promise ...
     ASSERT_NE(folded, std::string::npos);
-    EXPECT_LT(open, folded); // ... and where it promised nothing, that is no alarm
+    EXPECT_LT(open, folded); // without a promise it is no alarm
     EXPECT_EQ(html.find("<h3>Differences</h3>", open + 1), std::string::npos);
 }
 

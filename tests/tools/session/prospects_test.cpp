@@ -1,4 +1,4 @@
-// Whether culling pays, for cameras of three kinds.
+// Forecasts of whether culling pays, for cameras of three kinds.
 #include "session/prospects.h"
 #include "tools/cli_runner.h"
 

@@ -1,4 +1,4 @@
-// Suites: their tables, the results they keep, and the page beside the published figures.
+// Suites: their tables, the results that they store, and the page beside the published figures.
 #include "suites/suite.h"
 
 #include "commands/cli.h"
@@ -29,7 +29,7 @@ namespace {
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
-// Means of one frame.
+// Mean values of one frame.
 struct Means {
     double ms;
     uint64_t triangles;
@@ -142,7 +142,7 @@ TEST(Suites, EntriesHaveNamesOfTheirOwnAndOptionsThatExist)
 
 TEST(PublishedFigures, SpeakOfEntriesThatTheSuiteHasAndOfRunsThatTheyMake)
 {
-    // Every entry with every algorithm it names: then every figure must be found.
+    // Every entry with every algorithm that it names: every figure must be found.
     std::vector<BenchDocument> documents;
     for (const SuiteEntry& entry : find_suite("papers")->entries(Scale::full)) {
         std::vector<AlgorithmRun> runs;
@@ -182,12 +182,12 @@ TEST(PapersReport, TheCountersChooseTheSentenceAboutWhatFallsShort)
 {
     const Means frustum{100.0, 100000, 0};
     const Means good{10.0, 5000, 0};
-    // Nothing could do better: the scene hides too little.
+    // No algorithm could do better: the scene hides too little.
     EXPECT_NE(plant_lines(frustum, {90.0, 80000, 10}, {60.0, 60000, 0}, good)
                   .find("The scene sets the limit: `ideal`, which is told what is visible and "
                         "tests nothing, is 1.67 times as fast"),
               std::string::npos);
-    // The triangles fall, the time does not: the tests are too expensive.
+    // Fewer triangles, and the same time: the tests are too expensive.
     const std::string expensive = plant_lines(frustum, {80.0, 20000, 100}, good, good);
     EXPECT_NE(expensive.find("Triangles fall by the published factor and more (5.00)"),
               std::string::npos);
@@ -198,7 +198,7 @@ TEST(PapersReport, TheCountersChooseTheSentenceAboutWhatFallsShort)
     EXPECT_NE(plant_lines(frustum, {80.0, 70000, 10}, good, {50.0, 60000, 0})
                   .find("triangles can fall 1.67-fold at most (`opt`)"),
               std::string::npos);
-    // The algorithm keeps too much drawn.
+    // The algorithm keeps drawing too much.
     EXPECT_NE(plant_lines(frustum, {80.0, 70000, 10}, good, good)
                   .find("Triangles fall 1.43-fold where 20.0-fold was possible"),
               std::string::npos);
@@ -225,7 +225,7 @@ TEST(SuiteResults, HashesAreSaidToRepeatOnlyWhereTheyMust)
     };
     EXPECT_EQ(reproducible(0), false); // answers arrive when they arrive
     EXPECT_EQ(reproducible(1), true);  // it always waits
-    documents[0].device = "cpu";       // answers are there at once
+    documents[0].device = "cpu";       // answers arrive at once
     EXPECT_EQ(reproducible(0), true);
     documents[0].runs[0].asked_time = true; // but no two runs have the same clock
     EXPECT_EQ(reproducible(0), false);
@@ -262,7 +262,7 @@ TEST(SuiteResults, WhatNestsTooDeeplyIsRefused)
     std::string text = suite_report("papers", "small", std::vector{entry_of("a", {})});
     ASSERT_TRUE(parse_suite_results("x.json", text));
     std::string opened;
-    constexpr size_t kDepth = 300000; // a stack frame each would be more than there is
+    constexpr size_t kDepth = 300000; // one stack frame for each would overflow the stack
     for (size_t i = 0; i < kDepth; ++i) {
         opened += "{\"a\":";
     }

@@ -131,7 +131,7 @@ TEST_F(InTheApp, ARandomWalkOverEverythingNeverFailsAndStaysExact)
         switch_something(viewer, rng);
         if (i % 50 == 0) {
             viewer.state().time.paused = false;
-            viewer.state().picture.flare = false; // a flare's own tests are no part of the image
+            viewer.state().picture.flare = false; // the tests of flares do not change the image
             viewer.execute(Command::check_exactness);
         }
         viewer.look({0.02f, 0.0f}, false);
@@ -139,7 +139,7 @@ TEST_F(InTheApp, ARandomWalkOverEverythingNeverFailsAndStaysExact)
         seen.insert(viewer.pane(0).algorithm());
         ASSERT_EQ(app_->gl_errors(), 0u) << "frame " << i << ", " << viewer.pane(0).algorithm();
     }
-    EXPECT_GE(viewer.state().checked_frames, kFrames / 50u); // the walk may ask for more
+    EXPECT_GE(viewer.state().checked_frames, kFrames / 50u); // the walk may need more
     EXPECT_EQ(viewer.state().wrong_frames, 0u) << viewer.state().message;
     EXPECT_GE(seen.size(), 6u) << "the walk must meet many algorithms to prove anything";
 }

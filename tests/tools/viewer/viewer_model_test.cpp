@@ -169,7 +169,7 @@ TEST(Settings, ABrokenFileGivesDefaultsWhereItIsBroken)
     EXPECT_EQ(load_settings(folder.path("none.json")).speed, 1.0f);
 }
 
-// stop_and_wait on the wall: what is in front is drawn, what is behind was tested and is hidden.
+// stop_and_wait on the wall: items in front are drawn; items behind are tested and hidden.
 class OnTheWall : public testing::Test {
 protected:
     OnTheWall()

@@ -102,7 +102,7 @@ TEST(WalkPath, IsTheSameEveryTime)
     }
 }
 
-// Otherwise runs with different --item-triangles would not compare: their cameras went elsewhere.
+// Runs with different --item-triangles must compare, so that their cameras must be equal.
 TEST(WalkPath, DoesNotDependOnHowMeshesAreCutIntoItems)
 {
     const std::string castle = source_dir() + "/assets/castle/castle.glb";
