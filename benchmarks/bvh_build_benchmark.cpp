@@ -1,5 +1,5 @@
-// How long a tree over random boxes takes to build, and what it is worth: the cost by
-// the surface area heuristic, beside Embree's trees over the same boxes on as many threads.
+// How long it takes to build a tree over random boxes, and the quality of the tree: its cost by the
+// surface area heuristic, beside Embree's trees over the same boxes on as many threads.
 #include <occlude/core/rng.h>
 #include <occlude/hierarchy/builders/bvh_builder.h>
 
@@ -50,7 +50,7 @@ void build_ours(benchmark::State& state)
 
 #ifdef OCCLUDE_HAS_EMBREE
 
-// What Embree's callbacks build: enough of a tree to sum up its cost.
+// The tree that Embree's callbacks build: it holds only what its cost needs.
 struct EmbreeNode {
     RTCBounds child_bounds[2];
     EmbreeNode* children[2] = {nullptr, nullptr}; // both null: a leaf
@@ -139,10 +139,10 @@ void build_embree(benchmark::State& state)
     arguments.byteSize = sizeof(arguments);
     arguments.buildQuality = static_cast<RTCBuildQuality>(state.range(1));
     arguments.maxBranchingFactor = 2;
-    arguments.minLeafSize = static_cast<unsigned>(state.range(2)); // never parts so few
+    arguments.minLeafSize = static_cast<unsigned>(state.range(2)); // smaller leaves are not divided
     arguments.maxLeafSize = static_cast<unsigned>(state.range(2));
     if (arguments.buildQuality ==
-        RTC_BUILD_QUALITY_HIGH) { // spatial splits want room, and a callback
+        RTC_BUILD_QUALITY_HIGH) { // spatial splits need room, and a callback
         arguments.primitiveArrayCapacity = 2 * primitives.size();
         arguments.splitPrimitive = split_box;
     }
@@ -156,7 +156,7 @@ void build_embree(benchmark::State& state)
     const EmbreeNode* root = nullptr;
     for (auto _ : state) {
         scratch.reserve(arguments.primitiveArrayCapacity);
-        scratch = primitives; // the build reorders them; ours copies them too
+        scratch = primitives; // the build reorders them; our builder copies them too
         arguments.primitives = scratch.data();
         root = static_cast<const EmbreeNode*>(rtcBuildBVH(&arguments));
     }

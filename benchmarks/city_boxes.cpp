@@ -90,7 +90,7 @@ void add_block(std::vector<ItemBounds>& items, Rng& rng, const glm::vec3& corner
 
 struct Ray {
     glm::vec3 from;
-    glm::vec3 per_unit; // 1 / direction
+    glm::vec3 per_unit; // 1 / direction of the ray
 };
 
 // Where the ray enters the box, as a share of its length; 2 where it misses it.

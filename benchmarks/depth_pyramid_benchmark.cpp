@@ -1,6 +1,7 @@
-// Tests of boxes against a depth buffer on the CPU: per second and core, with vectors and without.
-// A test is everything from the box in the world to the answer: the projection (inflation, near
-// plane, rounding) and the comparison with at most 4x4 texels; `pixels` adds the refinement.
+// Tests of boxes against a depth buffer on the CPU, per second and core, with and without vector
+// instructions. A test covers all work from the box in the world to the answer: the projection
+// (inflation, near plane, rounding) and the comparison with at most 4x4 texels. `pixels` adds the
+// refinement.
 #include <occlude/core/rng.h>
 #include <occlude/screen/depth_pyramid.h>
 #include <occlude/screen/projection.h>
@@ -31,7 +32,7 @@ float depth_at(float distance)
     return (1000.0f / 999.9f) * (1.0f - 0.1f / distance);
 }
 
-// A street: the ground to the horizon, the sky, and house fronts of all distances before them.
+// A street: the ground to the horizon, the sky, and house fronts at many distances before them.
 void fill(std::span<float> depth)
 {
     Rng rng(7);
@@ -66,7 +67,7 @@ const DepthPyramid& pyramid()
     return built;
 }
 
-// 4 to 64 pixels wide, most of them small, all over the lower two thirds of the screen.
+// Boxes 4 to 64 pixels wide, most of them small, all over the lower two thirds of the screen.
 const std::vector<Aabb>& boxes()
 {
     static const std::vector<Aabb> made = [] {

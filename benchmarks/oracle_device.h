@@ -1,5 +1,5 @@
-// A device that costs nothing: it draws nothing, and answers each test from visible sets that were
-// computed beforehand. What a frame over it takes is the culler's own time.
+// A device without any cost: it draws nothing, and answers each test from visible sets that were
+// computed before. The time of a frame on it is the culler's own.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -16,8 +16,8 @@
 
 namespace occlude::bench {
 
-/// Up to eight views, each with its truth. A test of a node is answered by what is really visible
-/// in its subtree, at once; depth is that of the whole scene, so that it is right after any draw.
+/// Up to eight views, each with its visible set. A test of a node is answered at once: is anything
+/// in its subtree visible? Depth is that of the whole scene, so that it is right after any draw.
 class OracleDevice final : public QueryDevice {
 public:
     OracleDevice(const Hierarchy& hierarchy, std::span<const Truth> truths)
@@ -41,7 +41,7 @@ public:
         }
     }
 
-    /// The truth of the frames to come.
+    /// Sets the view whose visible set answers the next frames.
     void look(size_t truth) { now_ = truth; }
 
     const DeviceCaps& caps() const override { return caps_; }
@@ -75,13 +75,13 @@ public:
         return true;
     }
 
-    /// What copies of depth have taken of the processor so far, which is no time of the culler.
+    /// Processor time that copies of depth have taken so far. It does not count as the culler's.
     std::clock_t reading() const { return reading_; }
 
 private:
     DeviceCaps caps_;
     std::span<const Truth> truths_;
-    std::vector<uint8_t> visible_in_; // per node: bit i, something below it is visible in truth i
+    std::vector<uint8_t> visible_in_; // per node: bit i if something below is visible in truth i
     std::vector<uint8_t> answers_;
     std::clock_t reading_ = 0;
     size_t now_ = 0;

@@ -1,5 +1,5 @@
-// What it takes to follow moving objects: a full refit of a city of boxes, refits of the moved ones
-// only, scattered all over the city or together in one quarter, and their re-insertion into the
+// The time to follow moving objects: a full refit of a city of boxes; refits of the moved boxes
+// only, scattered all over the city or together in one quarter; and their re-insertion into the
 // two-level tree.
 #include "city_boxes.h"
 
@@ -53,7 +53,7 @@ void refit_moved(benchmark::State& state)
     }
 }
 
-// Each box is an object of one item. Every fifth of the moved ones goes far enough to leave its
+// Each box is an object of one item. One in five of the moved boxes moves far enough to leave its
 // node.
 void reinsert_moved(benchmark::State& state)
 {
@@ -80,7 +80,7 @@ void reinsert_moved(benchmark::State& state)
         }
         state.ResumeTiming();
         for (const TwoLevelTree::Slot slot : moved) {
-            tree.move(slot, glm::mat4{1.0f}); // the boxes are those of the world
+            tree.move(slot, glm::mat4{1.0f}); // the boxes are in world space
         }
         tree.update(items);
     }

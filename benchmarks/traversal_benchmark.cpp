@@ -1,6 +1,6 @@
-// What a culler's own work takes per frame, without any drawing or testing: a street-level walk
-// through a city of boxes, on a device that answers from precomputed visible sets at no cost. Cost
-// should follow what is visible, not the size of the city.
+// The culler's own time per frame, without any drawing or testing: a walk along a street of a city
+// of boxes, on a device that answers from precomputed visible sets at no cost. The time should
+// follow the number of visible boxes, not the size of the city.
 #include "city_boxes.h"
 #include "oracle_device.h"
 
@@ -17,7 +17,7 @@
 namespace occlude::bench {
 namespace {
 
-constexpr glm::ivec2 kSizePx{960, 540}; // of which about 1000 boxes have a pixel
+constexpr glm::ivec2 kSizePx{960, 540}; // about 1000 boxes own a pixel
 constexpr size_t kFrames = 8;
 
 struct City {
@@ -54,7 +54,7 @@ void traverse(benchmark::State& state, const char* algorithm)
     FrameCounters sum;
     size_t visible = 0;
     size_t frames = 0;
-    // Forth and back, so that all frames but the first have a frame before.
+    // Forth and back, so that each frame but the first is near the last one.
     const auto step = [&] {
         const size_t phase = frames++ % (2 * kFrames - 2);
         const size_t i = phase < kFrames ? phase : 2 * kFrames - 2 - phase;

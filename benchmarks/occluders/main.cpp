@@ -1,4 +1,4 @@
-// What OccluderBuffer costs: triangles by their size, rectangle tests, and recorded frames.
+// The cost of OccluderBuffer: triangles by their size, rectangle tests, and recorded frames.
 //
 //   occluder_benchmarks [--benchmark_...] [RECORDING.mocrec]...
 #include "recording.h"
@@ -28,7 +28,8 @@ View pixel_view(glm::ivec2 size)
     return View::from_clip(clip, size);
 }
 
-// Right triangles with legs of `size` pixels at random places, as many as fill some 40 screens.
+// Right triangles with legs of `size` pixels at random places. Together they cover the area of
+// about 40 screens.
 OccluderMesh random_triangles(int size)
 {
     Rng rng(1);

@@ -49,7 +49,7 @@ private:
     bool good_ = true;
 };
 
-// Triangles of the record, of which only those that are rendered count. False without a matrix.
+// Reads the triangles of a record. Only rendered triangles count. False without a matrix.
 bool read_triangles(Reader& reader, bool rendered, Recording& recording)
 {
     reader.read<int32_t>(); // result

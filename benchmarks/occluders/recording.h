@@ -1,11 +1,14 @@
-// Recordings of what an engine handed to a masked occlusion culling library (.mocrec): occluders of
-// one frame, with their matrices.
+// Recordings of the input of a masked occlusion culling library (.mocrec): the occluders of one
+// frame, with their matrices.
 //
-// Layout, little-endian: u32 0xA701B600, f32 near, u32 width, u32 height; then records, each after
-// one byte that says what it is. 0 or 2 (render or test triangles): i32 result, i32 vertices (0
-// ends the record), i32 stride, vertices, i32 triangles, u32 indices, u8 has a matrix (then 16
-// f32), i32 clip planes, i32 winding, 3 i32 layout. 1 (test a rectangle): i32 result, 5 f32. 3:
-// clear. 0x7f: end.
+// Layout, little-endian: u32 0xA701B600, f32 near, u32 width, u32 height; then records. Each starts
+// with a byte for its kind:
+//   0, 2  render or test triangles: i32 result, i32 vertices (0 ends the record), i32 stride,
+//         vertices, i32 triangles, u32 indices, u8 has a matrix (then 16 f32), i32 clip planes,
+//         i32 winding, 3 i32 layout
+//   1     test a rectangle: i32 result, 5 f32
+//   3     clear
+//   0x7f  end
 #pragma once
 
 #include <occlude/occluder_buffer.h>
@@ -25,12 +28,12 @@ struct Recording {
         glm::mat4 world_from_mesh{1.0f};
     };
     glm::ivec2 size_px{0};
-    glm::mat4 clip_from_world{1.0f}; ///< that of the first instance: its mesh's space is the world
+    glm::mat4 clip_from_world{1.0f}; ///< from the first instance: its mesh's space is the world
     std::vector<Instance> instances;
     size_t triangles = 0;
 };
 
-/// Nothing if the file cannot be read, or is no recording of triangles with matrices.
+/// Empty if the file cannot be read, or does not record triangles with matrices.
 std::optional<Recording> read_recording(const std::string& path);
 
 } // namespace occlude::benchmarks

@@ -1,5 +1,5 @@
-// Does my device keep the contract? The device of the minimal engine, put to the suite: replace it
-// by your own and run this in your continuous integration.
+// Does my device keep the contract? The suite checks the device of the minimal engine here. Replace
+// it by your own, and run this in your continuous integration.
 #include "ray_device.h"
 
 #include <occlude/conformance/conformance.h>

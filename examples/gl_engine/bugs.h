@@ -1,5 +1,5 @@
-// The mistakes that integrations make, one of them on request: --bug NAME. Each must be named by
-// the library; the tests run all of them.
+// Mistakes in integrations, one of which can be switched on: --bug NAME. The library must report
+// each, and the tests run all of them.
 #pragma once
 
 #include <array>

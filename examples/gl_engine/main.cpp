@@ -1,9 +1,9 @@
-// An OpenGL engine as others have it, with occlusion culling put in: reversed Z, multisampling, a
-// shadow map, draws sorted by material, things that move, a key that cuts to another place.
+// A typical OpenGL engine with occlusion culling: reversed Z, multisampling, a shadow map, draws
+// sorted by material, moving objects, and a key that cuts to another place.
 //
 //   gl_engine                              in a window
-//   gl_engine --headless --frames 8        without one; checks itself and says what is wrong
-//   gl_engine --headless --bug NAME        the same with a mistake that integrations make
+//   gl_engine --headless --frames 8        without a window; checks itself and reports faults
+//   gl_engine --headless --bug NAME        the same with a common mistake of integrations
 //
 // Exit code 0: all frames are right and nothing was reported; 1: something was; 2: no OpenGL.
 #include "bugs.h"
@@ -43,7 +43,7 @@ struct Arguments {
     Bug bug = Bug::none;
 };
 
-// What the library reported, and what the engine found out with its help.
+// Messages of the library, and findings of the engine's own checks.
 int problems = 0;
 
 void say(const std::string& text)
@@ -141,11 +141,11 @@ private:
     std::unique_ptr<GlDevice> camera_device_;
     std::unique_ptr<GlDevice> shadow_device_;
     double seconds_ = 0.0;
-    double place_ = 0.0; ///< how far along its way the camera is
+    double place_ = 0.0; ///< distance of the camera along its way
     bool paused_ = false;
 };
 
-// Moves, and brings the tree up to date: once a frame, before any view is culled.
+// Moves the objects and updates the tree: once a frame, before any view is culled.
 void Engine::update(int number)
 {
     seconds_ += paused_ ? 0.0 : 1.0 / 60.0;
@@ -153,7 +153,7 @@ void Engine::update(int number)
     town_.move_to(seconds_ + (number >= 2 ? 3.0 : 0.0));
     std::vector<ItemBounds> bounds = town_.bounds();
     if (arguments_.bug == Bug::box_too_small) {
-        bounds[1].box.max.y -= 2.0f; // as if the roof had been forgotten
+        bounds[1].box.max.y -= 2.0f; // as if the roof were forgotten
     }
     if (arguments_.bug != Bug::forgotten_refit) {
         hierarchy_.refit(bounds);
@@ -196,7 +196,7 @@ bool Engine::frame(int number)
     WritingDevice writing{*camera_device_, arguments_.bug == Bug::depth_writes_in_tests};
     FrameReport report;
     if (arguments_.headless) {
-        // Slow: asserts the contract between culler and device, and that tests write nothing.
+        // Slow: checks the contract between culler and device, and that tests write nothing.
         ValidatingDevice checked{writing,
                                  {.on_violation =
                                       [](std::string_view rule, std::string_view text) {
@@ -224,14 +224,14 @@ bool Engine::frame(int number)
         paused_ = keys.pause ? !paused_ : paused_;
         if (keys.cut) {
             place_ += 2.0;
-            camera_culler_->reset(); // forgetting this costs time in one frame, and no pixel
+            camera_culler_->reset(); // without this one frame takes longer, and no pixel changes
         }
         return !keys.quit;
     }
     return true;
 }
 
-// What to do while an integration is young: ask the library whether all is as it was told.
+// For a new integration: asks the library whether its input matches what the engine draws.
 void Engine::check(const View& view, int number)
 {
     if (number != 3) {

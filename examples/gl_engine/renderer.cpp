@@ -160,7 +160,7 @@ void Renderer::set_camera(const glm::mat4& clip_from_world, const glm::mat4& cli
     glBindVertexArray(vertex_array_);
 }
 
-// Keeps the engine's own order by state: the library hands over a batch, not a sequence.
+// Keeps the engine's own order by state: the library passes a batch without an order.
 void Renderer::draw_sorted(std::span<const occlude::ItemId> items)
 {
     order_.clear();
@@ -197,7 +197,7 @@ void CameraPass::begin_frame(const occlude::View&)
     const bool smaller = bug_ == Bug::dynamic_resolution && frame >= 2;
     glViewport(0, 0, smaller ? 2 * size.x / 3 : size.x, smaller ? 2 * size.y / 3 : size.y);
     glDisable(GL_SCISSOR_TEST);
-    glDisable(GL_POLYGON_OFFSET_FILL); // the shadow pass has left it on
+    glDisable(GL_POLYGON_OFFSET_FILL); // the shadow pass leaves it on
     glBindTextureUnit(0, renderer_.shadow_map_);
     restore_state();
     glClearColor(0.55f, 0.68f, 0.82f, 1.0f);
@@ -212,7 +212,7 @@ void CameraPass::draw(std::span<const occlude::ItemId> items, occlude::DrawPass)
     leave_something_on();
 }
 
-// What restore_state() must set again is in docs/devices.md, "State that tests change".
+// docs/devices.md, "State that tests change", lists what restore_state() must set.
 void CameraPass::restore_state()
 {
     renderer_.set_camera(clip_from_world, clip_from_light);
@@ -260,7 +260,7 @@ void ShadowPass::begin_frame(const occlude::View& view)
     glBindFramebuffer(GL_FRAMEBUFFER, renderer_.shadow_target_);
     glViewport(0, 0, Renderer::kShadowSize, Renderer::kShadowSize);
     glDisable(GL_SCISSOR_TEST);
-    glBindTextureUnit(0, 0); // it is drawn into
+    glBindTextureUnit(0, 0); // the pass draws into this texture
     restore_state();
     glClear(GL_DEPTH_BUFFER_BIT);
 }

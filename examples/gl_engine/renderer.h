@@ -1,5 +1,5 @@
-// The engine's OpenGL: one pass over the draws, for the camera into a multisampled target and for
-// the light into a shadow map. Both are the GlScene of a GlDevice of their own.
+// The engine's OpenGL: one draw loop in two passes, for the camera into a multisampled target and
+// for the light into a shadow map. Each pass is the GlScene of its own GlDevice.
 #pragma once
 
 #include "bugs.h"
@@ -16,7 +16,7 @@
 
 namespace gl_engine {
 
-/// What both passes share: meshes, program, the shadow map.
+/// Shared by both passes: meshes, program, the shadow map.
 class Renderer {
 public:
     static constexpr int kShadowSize = 512;
@@ -24,11 +24,11 @@ public:
 
     Renderer(const Town& town, glm::ivec2 size_px);
 
-    /// Makes all objects, in the context that is current. Again after that was recreated.
+    /// Creates all objects in the current context. Call it again after the context was recreated.
     void create_objects();
 
     glm::ivec2 size_px() const { return size_px_; }
-    /// Of the last frame, for the window: the target's colours without multisampling.
+    /// The target's colours of the last frame without multisampling, for the window.
     void present(GLuint framebuffer);
 
 private:

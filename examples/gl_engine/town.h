@@ -1,4 +1,4 @@
-// The engine's world: houses, lamps and cars that drive around. It knows nothing of OpenGL.
+// The engine's world: houses, lamps and driving cars. It does not depend on OpenGL.
 #pragma once
 
 #include <occlude/hierarchy/hierarchy.h>
@@ -25,11 +25,11 @@ public:
 
     Town();
 
-    /// Puts everything where it is at this time, in seconds.
+    /// Moves everything to its place at this time, in seconds.
     void move_to(double seconds);
 
     const std::vector<Draw>& draws() const { return draws_; }
-    /// Boxes and triangle counts by ItemId, as the library wants them.
+    /// Boxes and triangle counts by ItemId, as the library expects them.
     std::vector<occlude::ItemBounds> bounds() const;
     bool moves(size_t item) const { return item >= first_car_; }
 

@@ -8,29 +8,29 @@
 
 namespace gl_engine {
 
-/// What the user asks for, besides looking on.
+/// Input of the user.
 struct Keys {
-    bool cut = false;   ///< C: to another place at once
-    bool pause = false; ///< P: the world stands still, or goes on
+    bool cut = false;   ///< C: cut to another place
+    bool pause = false; ///< P: stop the world, or let it go on
     bool quit = false;  ///< escape, or the window was closed
 };
 
 class Window {
 public:
-    /// An OpenGL 4.5 core context that is current from now on. Null, and a sentence on stderr, if
-    /// there is none.
+    /// Creates an OpenGL 4.5 core context and makes it current. Returns null, with a sentence on
+    /// stderr, if that fails.
     static std::unique_ptr<Window> open(glm::ivec2 size_px);
     /// The same without a window or a display server.
     static std::unique_ptr<Window> open_headless();
     virtual ~Window() = default;
 
-    /// Shows what is in the default framebuffer, and `report` over it. Returns the keys pressed
-    /// since the last call.
+    /// Shows the default framebuffer, with `report` over it. Returns the keys pressed since the
+    /// last call.
     virtual Keys show(const std::string& report) = 0;
     virtual bool has_framebuffer() const = 0;
 
-    /// Another context, as some engines make when the user changes settings. All OpenGL objects of
-    /// the old one are gone.
+    /// Creates another context, as some engines do when the user changes settings. All OpenGL
+    /// objects of the old one are lost.
     virtual bool recreate_context() = 0;
 };
 

@@ -1,4 +1,4 @@
-// The bug "depth-writes-in-tests": a device whose tests leave a trace in the depth buffer.
+// The bug "depth-writes-in-tests": a device whose tests write to the depth buffer.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -24,7 +24,7 @@ public:
     void query(const occlude::QueryBatch& batch, std::span<occlude::Ticket> tickets) override
     {
         inner_.query(batch, tickets);
-        if (writes_) { // as if the depth mask had been forgotten
+        if (writes_) { // as if the depth mask were forgotten
             glDepthMask(GL_TRUE);
             const GLfloat near_value = 1.0f;
             glEnable(GL_SCISSOR_TEST);

@@ -1,4 +1,4 @@
-// What the example draws: columns on a ground, shaded in software, and the flares over them.
+// The example's scene: columns on a ground, shaded in software, and the flares over them.
 #pragma once
 
 #include "render/scene_renderer.h"
@@ -29,13 +29,13 @@ private:
     std::vector<std::vector<glm::vec3>> corners_;
 };
 
-/// The share of a light's disc that the frame in `device` shows, pixel by pixel.
+/// The visible share of a light's disc in the frame in `device`, counted pixel by pixel.
 double exact_fraction(const CpuDevice& device, const View& view, const FlareLight& light);
 
 /// The frame in `device` with an evening light.
 tools::Image shaded_image(const CpuDevice& device, const Columns& columns);
 
-/// Adds the glow of a light and the ghosts that lenses throw across the middle of the picture.
+/// Adds the glow of a light, and its ghosts across the middle of the picture.
 void add_flare(tools::Image& image, const View& view, const FlareLight& light, double brightness);
 
 } // namespace occlude::lens_flare

@@ -1,7 +1,7 @@
-// Lens flares whose brightness follows what is seen of their lights: a sun and two lamps behind a
-// row of columns, past which the camera moves. Every frame is culled with CHC++ as always; the
-// flares are measured by the same device, in two small batches. Writes the last frame as a PNG file
-// (the path is the only argument) and fails if a measured fraction is off by more than 2%.
+// Lens flares whose brightness follows the visible share of their lights: a sun and two lamps
+// behind a row of columns, past which the camera moves. CHC++ culls every frame as usual. The same
+// device measures the flares, in two small batches. Writes the last frame as a PNG file (the path
+// is the only argument), and fails if a measured share is off by more than 2%.
 #include "flare_scene.h"
 
 #include "render/image.h"
@@ -38,12 +38,12 @@ int main(int argument_count, char** arguments)
                                             {{-4.6f, 3.4f, -6.0f, 1.0f}, 9.0f},
                                             {{6.2f, 2.6f, -9.0f, 1.0f}, 9.0f}};
     flares.set_lights(lights);
-    FlareDevice measured{device, flares}; // the culler draws through it and knows nothing of flares
+    FlareDevice measured{device, flares}; // the culler draws through it, without knowing of flares
 
     ChcPlusPlus culler{hierarchy};
     constexpr int kFrames = 120;
     double worst = 0.0;
-    std::vector<double> exact(lights.size(), 0.0); // of the frame before
+    std::vector<double> exact(lights.size(), 0.0); // of the last frame
     View view;
     for (int frame = 0; frame < kFrames; ++frame) {
         view = camera(static_cast<float>(frame) / kFrames);

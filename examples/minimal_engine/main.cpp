@@ -1,5 +1,5 @@
-// The whole of an integration, without a window: a small town is walked through with CHC++, and
-// every frame is compared with one that draws everything in the frustum.
+// A complete integration without a window: a walk through a small town with CHC++. Every frame is
+// compared with one that draws everything in the frustum.
 #include "ray_device.h"
 
 #include <occlude/core/rng.h>
@@ -15,7 +15,8 @@
 
 using namespace occlude;
 
-// Streets between 14 x 14 houses; in each house three pieces of furniture that nobody outside sees.
+// Streets between 14 x 14 houses. Each house has three pieces of furniture that are never visible
+// from outside.
 static std::vector<ItemBounds> make_town()
 {
     Rng rng{7};
@@ -41,7 +42,7 @@ int main()
     const std::vector<ItemBounds> town = make_town();
     const Hierarchy hierarchy = build_bvh(town, {.leaf_triangles = 12}); // one item per leaf
 
-    // One culler per view: it remembers what this camera saw.
+    // One culler per view: it remembers what was visible to this camera.
     ChcPlusPlus culler{hierarchy};
     FrustumCuller reference{hierarchy};
     minimal_engine::RayDevice device{town};

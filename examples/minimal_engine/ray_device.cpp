@@ -12,7 +12,7 @@ using namespace occlude;
 
 constexpr float kNothing = 2.0f; // farther than the far plane
 
-// Where the ray enters the box, as a depth; kNothing if it misses it.
+// The depth at which the ray enters the box; kNothing if it misses the box.
 static float entry_depth(const Aabb& box, const glm::vec3& origin, const glm::vec3& step)
 {
     const glm::vec3 a = (box.min - origin) / step;
@@ -47,7 +47,7 @@ void RayDevice::begin_frame(const View& view)
 void RayDevice::draw(std::span<const ItemId> items, DrawPass pass)
 {
     if (pass == DrawPass::shade_equal) {
-        return; // the image is complete: this engine's depth-only pass shades, too
+        return; // the image is complete: this engine's depth-only pass shades too
     }
     for (const ItemId item : items) {
         for (size_t pixel = 0; pixel < rays_.size(); ++pixel) {
@@ -78,7 +78,7 @@ void RayDevice::query(const QueryBatch& batch, std::span<Ticket> tickets)
             }
         }
         if (answers_.size() >= caps_.max_outstanding) {
-            tickets[test] = {}; // invalid, so it answers lost: nobody collects answers any more
+            tickets[test] = {}; // invalid, so that it answers `lost`: too many tests wait already
             continue;
         }
         const auto samples = std::count(seen.begin(), seen.end(), true);
@@ -91,7 +91,7 @@ Answer RayDevice::wait(Ticket ticket)
 {
     const auto found = answers_.find(ticket.index);
     if (ticket.generation != 1 || found == answers_.end()) {
-        return Answer::lost(); // spent or foreign: reads as visible
+        return Answer::lost(); // spent or unknown ticket: counts as visible
     }
     const Answer answer = Answer::ready(found->second);
     answers_.erase(found);

@@ -1,6 +1,6 @@
-// The smallest complete QueryDevice: an "engine" whose world is made of boxes, drawn by casting one
-// ray per pixel. What a real engine does with its draw calls and occlusion queries, this does with
-// two loops; the verbs and their order are the same.
+// The smallest complete QueryDevice: an "engine" whose world consists of boxes, drawn by casting
+// one ray per pixel. Two loops stand for the draw calls and occlusion queries of a real engine; the
+// verbs and their order are the same.
 #pragma once
 
 #include <occlude/core/query_device.h>
@@ -29,12 +29,12 @@ public:
     void begin_frame(const occlude::View& view) override;
     void draw(std::span<const occlude::ItemId> items, occlude::DrawPass pass) override;
     void query(const occlude::QueryBatch& batch, std::span<occlude::Ticket> tickets) override;
-    void flush() override {} // everything happens at once here
+    void flush() override {} // all work is done in the calls themselves
     occlude::Answer poll(occlude::Ticket ticket) override { return wait(ticket); }
     occlude::Answer wait(occlude::Ticket ticket) override;
     void end_frame() override {}
 
-    /// The item seen at each pixel; an invalid id where there is none.
+    /// The visible item at each pixel; an invalid id where there is none.
     const std::vector<occlude::ItemId>& image() const { return image_; }
 
 private:
