@@ -19,15 +19,27 @@ folder=$2
 [[ -x $prefix/bin/occlude ]] || die "$prefix/bin/occlude is not there; run cmake --install first"
 command -v patchelf >/dev/null || die 'patchelf is missing (Debian: patchelf)'
 
+# The licence of the package that a library comes from, where Debian's packages tell it.
+copy_licence() {
+    local file package
+    file=$(basename "$(realpath "$1")")
+    package=$(dpkg-query -S "*/$(uname -m)-linux-gnu/$file" 2>/dev/null | head -n 1 | cut -d : -f 1) || true
+    [[ -n $package && -e /usr/share/doc/$package/copyright ]] ||
+        die "$1 is of no Debian package, so its licence is not known; it must be passed on with the library"
+    cp "/usr/share/doc/$package/copyright" "$folder/licences/$package.txt"
+}
+
 rm -rf "$folder"
-mkdir -p "$folder/bin" "$folder/lib"
+mkdir -p "$folder/bin" "$folder/lib" "$folder/licences"
 cp "$prefix/bin/occlude" "$folder/bin/"
+cp "$(dirname "${BASH_SOURCE[0]}")/../LICENSE" "$folder/licences/occlude.txt"
 cp -r "$prefix/share" "$folder/"
 while read -r name _ path _; do
     [[ $path == /* ]] || continue
     [[ $name =~ $of_the_machine ]] && continue
     cp -L "$path" "$folder/lib/$name"
     chmod 644 "$folder/lib/$name"
+    copy_licence "$path"
     patchelf --set-rpath "\$ORIGIN" "$folder/lib/$name"
 done < <(ldd "$prefix/bin/occlude")
 patchelf --set-rpath "\$ORIGIN/../lib" "$folder/bin/occlude"

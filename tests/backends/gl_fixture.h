@@ -25,6 +25,7 @@ class QuadScene final : public GlScene {
 public:
     QuadScene(glm::ivec2 size, int samples, GLenum depth_format = GL_DEPTH_COMPONENT32F)
         : size_(size)
+        , samples_(samples)
     {
         auto program = make_program("test", R"(#version 330 core
 layout(location = 0) in vec3 p;
@@ -109,7 +110,7 @@ void main() { result = color; })");
     void draw(std::span<const ItemId> items, DrawPass) override
     {
         for (const ItemId item : items) {
-            const auto shade = static_cast<float>(item.value + 1) / 8.0f;
+            const auto shade = static_cast<float>((item.value * 37 + 31) % 256) / 255.0f;
             glUniform4f(glGetUniformLocation(program_.name(), "color"), shade, 0.5f, 1.0f, 1.0f);
             glDrawArrays(GL_TRIANGLES, triangles_.firsts[item.value],
                          triangles_.counts[item.value]);
@@ -140,12 +141,18 @@ void main() { result = color; })");
 
     void end_frame() override { ++ended; }
 
-    /// Colours of a target without multisampling.
+    /// Colours of the target; of a multisampled one the means of each pixel.
     std::vector<uint32_t> colors() const
     {
         std::vector<uint32_t> pixels(static_cast<size_t>(size_.x * size_.y));
         glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
+        const GlFramebuffer means = GlFramebuffer::make();
+        const GlRenderbuffer means_color = GlRenderbuffer::make();
+        if (samples_ > 1) {
+            resolve_into(means, means_color);
+        }
         glReadPixels(0, 0, size_.x, size_.y, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+        glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
         return pixels;
     }
 
@@ -167,6 +174,25 @@ private:
         }
     }
 
+    // Leaves `means` bound for reading.
+    void resolve_into(const GlFramebuffer& means, const GlRenderbuffer& color) const
+    {
+        const bool scissor = glIsEnabled(GL_SCISSOR_TEST) == GL_TRUE;
+        glDisable(GL_SCISSOR_TEST); // it would cut off the copy, too
+        glBindRenderbuffer(GL_RENDERBUFFER, color.name());
+        glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, size_.x, size_.y);
+        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, means.name());
+        glFramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
+                                  color.name());
+        glBlitFramebuffer(0, 0, size_.x, size_.y, 0, 0, size_.x, size_.y, GL_COLOR_BUFFER_BIT,
+                          GL_NEAREST);
+        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
+        glBindFramebuffer(GL_READ_FRAMEBUFFER, means.name());
+        if (scissor) {
+            glEnable(GL_SCISSOR_TEST);
+        }
+    }
+
     void attach(GlRenderbuffer& buffer, GLenum format, GLenum point, int samples)
     {
         glBindRenderbuffer(GL_RENDERBUFFER, buffer.name());
@@ -185,6 +211,7 @@ private:
     };
 
     glm::ivec2 size_;
+    int samples_;
     View view_;
     GlProgram program_;
     GlFramebuffer framebuffer_;

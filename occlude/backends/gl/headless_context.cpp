@@ -45,8 +45,8 @@ struct HeadlessContext::Egl {
 
 namespace {
 
-constexpr const char* kRemedy = "; install an OpenGL driver (Debian: libegl1 and libgl1-mesa-dri) "
-                                "or use the cpu device";
+constexpr const char* kRemedy = "; install an OpenGL driver (Debian: libegl1, libopengl0, "
+                                "libgl1-mesa-dri) or use the cpu device";
 
 Error unavailable(const std::string& reason)
 {
