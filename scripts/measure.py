@@ -29,7 +29,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 # Pages of docs/measurements/ that other commands write: `./dev soak`, scripts/check_models.py. README lists all.
-OTHER_PAGES = {"README", "trust", "models", "osg", "size"}
+OTHER_PAGES = {"README", "trust", "models", "osg", "size", "occluders"}
 BLOCK = re.compile(r"(<!-- measured: (\w+)(?: ([\w,]+))? -->\n).*?(<!-- end -->)", re.DOTALL)
 
 

@@ -89,6 +89,42 @@ TEST(CpuFastDevice, EveryExactAlgorithmShowsThePixelsOfAllItemsAndCulls)
     }
 }
 
+double fake_us = 0.0;
+
+double fake_clock()
+{
+    return fake_us += 7.0; // so long takes everything between two looks at it
+}
+
+TEST(CpuFastDevice, ABudgetOfTimeEndsInTimeAndTakesTheBestOccludersFirst)
+{
+    Walk walk(5, 400);
+    const View view = Walk::view(1, {641, 401});
+    std::vector<ItemId> all;
+    for (size_t i = 0; i < walk.bounds.size(); ++i) {
+        all.push_back(ItemId{i});
+    }
+    const auto run = [&](float budget_us) {
+        CpuFastDevice device(nullptr, walk.occluders,
+                             {.budget_us = budget_us, .clock_us = &fake_clock});
+        uint64_t triangles = 0;
+        for (int frame = 0; frame < 5; ++frame) {
+            device.begin_frame(view);
+            device.draw(all, DrawPass::shade);
+            std::vector<float> depth(641 * 401);
+            EXPECT_TRUE(device.read_depth({0, 0, 641, 401}, depth));
+            device.end_frame();
+            EXPECT_LE(device.spent_us(), budget_us + 14.0f) << "a look at the clock or two";
+            triangles = device.occluders().statistics().triangles;
+        }
+        return triangles;
+    };
+    const uint64_t little = run(60.0f);
+    const uint64_t much = run(3000.0f);
+    EXPECT_GT(little, 0u);
+    EXPECT_GT(much, little);
+}
+
 TEST(CpuFastDevice, ABudgetKeepsTheOccludersThatHideMostPerTriangle)
 {
     test::BoxOccluders scene;

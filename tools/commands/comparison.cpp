@@ -87,7 +87,7 @@ BenchDocument describe(Session& session, const CompareOptions& options, const st
             .api = session.renderer().api(),
             .renderer = session.renderer().renderer_name(),
             .hierarchy = fmt::format("{}", fmt::join(session.tree_labels(), ", ")),
-            .test = options.stage.device == "cpu_fast" ? "pyramid" : options.stage.test,
+            .test = session.options().test,
             .path = path,
             .size = options.stage.size,
             .samples = samples_given(session.renderer(), options.stage.size, options.stage.samples),

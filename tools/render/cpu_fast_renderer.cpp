@@ -81,11 +81,7 @@ public:
     std::string api() const override { return renderer_->api(); }
     std::string renderer_name() const override { return renderer_->renderer_name(); }
     QueryDevice& device() override { return device_; }
-    Result<bool> use_test_method(TestMethod method) override
-    {
-        // The program's default does not count as a request.
-        return device_.use_method(method == TestMethod::queries ? TestMethod::automatic : method);
-    }
+    Result<bool> use_test_method(TestMethod method) override { return device_.use_method(method); }
     Result<bool> resize(glm::ivec2 size, int samples) override
     {
         return renderer_->resize(size, samples);

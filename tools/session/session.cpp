@@ -289,6 +289,10 @@ Result<bool> Session::choose_test()
 Result<bool> Session::make_renderer(std::shared_ptr<GlContext> context, std::ostream& notes)
 {
     device_name_ = options_.device.value_or("gl");
+    if (device_name_ == "cpu_fast" && options_.test == "queries") { // also the default
+        options_.test = "pyramid";
+        notes << "occlude: --device cpu_fast has no queries; it tests by --test pyramid\n";
+    }
     if (device_name_ != "cpu") {
         auto renderer = make_gl_renderer(model_, scene_.items, options_.size, options_.samples,
                                          {.context = std::move(context)});

@@ -3,6 +3,9 @@
 #include <osg/State>
 #include <osgUtil/StateGraph>
 
+#include <algorithm>
+#include <bit>
+
 namespace occlude {
 
 void LeafRenderer::start(osg::RenderInfo& info, osgUtil::RenderLeaf& previous)
@@ -33,7 +36,7 @@ void LeafScene::set_frame(LeafRenderer& renderer, std::span<osgUtil::RenderLeaf*
     leaves_ = leaves;
     first_ = first;
     place_of_item_ = place_of_item;
-    batch_.make_room(leaves.size());
+    batch_.resize(std::max(batch_.size(), leaves.size() / 64 + 1));
 }
 
 void LeafScene::begin_frame(const View& view)
@@ -57,21 +60,27 @@ void LeafScene::draw(std::span<const ItemId> items, DrawPass)
     for (const ItemId item : items) {
         const uint32_t place = place_of_item_[item.value];
         if (place != kNotThere) {
-            batch_.insert(place);
+            batch_[place / 64] |= uint64_t{1} << (place % 64);
         }
     }
-    batch_.take_all([this](uint32_t place) { renderer_->render(*leaves_[place]); });
+    for (size_t word = 0; word < batch_.size(); ++word) {
+        for (uint64_t bits = batch_[word]; bits != 0; bits &= bits - 1) {
+            renderer_->render(*leaves_[word * 64 + static_cast<size_t>(std::countr_zero(bits))]);
+        }
+        batch_[word] = 0;
+    }
 }
 
 void LeafScene::prepare_tests()
 {
-    saved_.read();
-    saved_.set_for_tests(viewport_);
+    osg::State& state = *renderer_->info().getState();
+    saved_.read(state);
+    saved_.set_for_tests(state, viewport_);
 }
 
 void LeafScene::restore_state()
 {
-    saved_.put_back();
+    saved_.put_back(*renderer_->info().getState());
 }
 
 } // namespace occlude

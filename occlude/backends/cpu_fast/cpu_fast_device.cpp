@@ -1,11 +1,10 @@
 #include <occlude/backends/cpu_fast/cpu_fast_device.h>
 
+#include <occlude/backends/cpu_fast/detail/occluder_choice.h>
 #include <occlude/core/assert.h>
 
 #include <algorithm>
 #include <bit>
-#include <functional>
-#include <limits>
 
 namespace occlude {
 
@@ -15,6 +14,7 @@ CpuFastDevice::CpuFastDevice(QueryDevice* renderer, const CpuFastScene& scene,
     , scene_(scene)
     , options_(options)
     , buffer_(options.buffer)
+    , choice_(std::make_unique<cpu_fast::OccluderChoice>())
 {
     caps_.name = "cpu_fast";
     caps_.exact_counts = false;
@@ -36,6 +36,13 @@ CpuFastDevice::CpuFastDevice(QueryDevice* renderer, const CpuFastScene& scene,
     }
 }
 
+CpuFastDevice::~CpuFastDevice() = default;
+
+float CpuFastDevice::spent_us() const
+{
+    return choice_->spent_us();
+}
+
 Result<bool> CpuFastDevice::use_method(TestMethod method)
 {
     if (method != TestMethod::automatic && method != TestMethod::pyramid) {
@@ -49,9 +56,7 @@ void CpuFastDevice::begin_frame(const View& view)
 {
     OCCLUDE_ASSERT(!in_frame_, "begin_frame before the last frame ended (C1)");
     in_frame_ = true;
-    triangles_left_ =
-        options_.max_triangles != 0 ? options_.max_triangles : std::numeric_limits<uint64_t>::max();
-    waiting_.clear();
+    choice_->begin_frame();
     buffer_.begin(view);
     if (renderer_ != nullptr) {
         renderer_->begin_frame(view);
@@ -71,45 +76,17 @@ void CpuFastDevice::draw(std::span<const ItemId> items, DrawPass pass)
         return;
     }
     for (const ItemId id : items) {
-        const CpuFastItem item = scene_.item(id);
-        if (item.mesh != nullptr && !item.mesh->empty()) {
-            const auto triangles = static_cast<uint32_t>(item.mesh->triangles().size());
-            waiting_.push_back({item, triangles, 0.0f});
-        }
+        choice_->add(id, scene_.item(id));
     }
 }
 
-// Large, near and cheap occluders first: those with most pixels per triangle. What comes later in
-// the frame finds what is left of the budget.
+// What comes later in the frame finds what is left of the budget.
 void CpuFastDevice::rasterize_waiting()
 {
-    if (waiting_.empty()) {
-        return;
-    }
-    for (Candidate& candidate : waiting_) {
-        const ScreenBounds bounds =
-            project(buffer_.view(),
-                    transformed(candidate.item.world_from_mesh, candidate.item.mesh->box()));
-        candidate.px_per_triangle = static_cast<float>(bounds.rect.width) *
-                                    static_cast<float>(bounds.rect.height) /
-                                    static_cast<float>(candidate.triangles);
-    }
-    std::erase_if(waiting_, [&](const Candidate& candidate) {
-        return !(candidate.px_per_triangle >= options_.min_px_per_triangle);
-    });
-    if (triangles_left_ != std::numeric_limits<uint64_t>::max()) {
-        std::ranges::sort(waiting_, std::greater{}, &Candidate::px_per_triangle);
-    }
-    for (const Candidate& candidate : waiting_) {
-        if (candidate.triangles <= triangles_left_) {
-            if (options_.max_triangles != 0) {
-                triangles_left_ -= candidate.triangles;
-            }
-            buffer_.add(*candidate.item.mesh, candidate.item.world_from_mesh);
-        }
-    }
-    waiting_.clear();
-    buffer_.rasterize();
+    choice_->rasterize(buffer_, {.budget_us = options_.budget_us,
+                                 .max_triangles = options_.max_triangles,
+                                 .min_px_per_triangle = options_.min_px_per_triangle,
+                                 .clock_us = options_.clock_us});
 }
 
 // 0 samples if all boxes of the test are hidden or outside; lost if nothing is known of one.
@@ -184,6 +161,7 @@ bool CpuFastDevice::read_depth_tiles(int tile_px, std::span<float> out)
 void CpuFastDevice::end_frame()
 {
     in_frame_ = false;
+    choice_->end_frame(buffer_);
     if (renderer_ != nullptr) {
         renderer_->end_frame();
     }

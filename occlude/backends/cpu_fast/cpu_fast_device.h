@@ -24,16 +24,26 @@
 #include <occlude/screen/projection.h>
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace occlude {
 
+namespace cpu_fast {
+class OccluderChoice;
+}
+
 struct CpuFastDeviceOptions {
     OccluderBufferOptions buffer = {};
-    /// Triangles of occluders per frame at most; 0: no limit. A host that has measured its
-    /// microseconds per triangle divides its budget by them. Items that do not fit are drawn, and
-    /// hide nothing.
+    /// Microseconds per frame for choosing and rasterising occluders; 0: no limit. The device
+    /// measures what triangles cost and stops in time. Items that do not fit are drawn, and hide
+    /// nothing. Which items fit depends on the clock, so that counters differ between runs.
+    float budget_us = 0.0f;
+    /// The clock of the budget, in microseconds; null: the system's steady one.
+    double (*clock_us)() = nullptr;
+    /// Triangles of occluders per frame at most; 0: no limit. As a budget, but the same in every
+    /// run.
     uint64_t max_triangles = 0;
     /// Items whose rectangle on the screen has fewer pixels per triangle hide nothing: they would
     /// cost more than they hide.
@@ -48,6 +58,7 @@ public:
     /// Both it and the scene must outlive the device.
     CpuFastDevice(QueryDevice* renderer, const CpuFastScene& scene,
                   const CpuFastDeviceOptions& options = {});
+    ~CpuFastDevice() override;
 
     const DeviceCaps& caps() const override { return caps_; }
     /// Fails for every method but pyramid and automatic.
@@ -66,16 +77,12 @@ public:
     bool read_depth_tiles(int tile_px, std::span<float> out) override;
     void end_frame() override;
 
+    /// Microseconds of this frame that went into occluders; 0 without a budget.
+    float spent_us() const;
     /// The occluders of the frame so far; those that wait for a test are not in it.
     const OccluderBuffer& occluders() const { return buffer_; }
 
 private:
-    struct Candidate {
-        CpuFastItem item;
-        uint32_t triangles = 0;
-        float px_per_triangle = 0.0f;
-    };
-
     void rasterize_waiting();
     Answer answer(std::span<const QueryBox> boxes, size_t first_bounds) const;
 
@@ -85,8 +92,7 @@ private:
     DeviceCaps caps_;
     OccluderBuffer buffer_;
     bool in_frame_ = false;
-    uint64_t triangles_left_ = 0;
-    std::vector<Candidate> waiting_; ///< drawn since the last test
+    std::unique_ptr<cpu_fast::OccluderChoice> choice_;
     std::vector<ScreenBounds> bounds_;
     TicketTable<Answer> tickets_;
 };

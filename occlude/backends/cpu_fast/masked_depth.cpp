@@ -103,8 +103,25 @@ MaskedBin& MaskedDepth::write(size_t bin)
     return bins_[bin];
 }
 
+// The depth of one cell.
+float MaskedDepth::depth_at(int x, int y) const
+{
+    const auto index = static_cast<size_t>(y / kBinHeight * grid_.size_bins.x + x / kBinWidth);
+    if (written_[index] == 0) {
+        return 1.0f;
+    }
+    const MaskedBin& bin = bins_[index];
+    const int i = sub_tile_index(x % kBinWidth, y % kBinHeight);
+    const int bit = y % kSubTileHeight * kSubTileWidth + x % kSubTileWidth;
+    return (bin.mask[i] >> bit & 1) != 0 ? bin.near_depth[i] : bin.far_depth[i];
+}
+
 bool MaskedDepth::hides(const CellRect& cells, float nearest) const
 {
+    // Of what can be seen, the middle mostly can.
+    if (!(depth_at((cells.x0 + cells.x1) / 2, (cells.y0 + cells.y1) / 2) < nearest)) {
+        return false;
+    }
     for (int ty = cells.y0 / kBinHeight; ty <= cells.y1 / kBinHeight; ++ty) {
         for (int tx = cells.x0 / kBinWidth; tx <= cells.x1 / kBinWidth; ++tx) {
             const auto bin = static_cast<size_t>(ty * grid_.size_bins.x + tx);

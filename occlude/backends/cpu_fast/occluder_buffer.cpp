@@ -225,7 +225,10 @@ std::span<const float> OccluderBuffer::State::expanded_depth()
 // The cells that some of the pixels lie in.
 cpu_fast::CellRect OccluderBuffer::State::cells_of(const PixelRect& rect) const
 {
-    const auto cell = [&](int px) { return static_cast<int16_t>(px / options.cell_px); };
+    const int size = options.cell_px;
+    const auto cell = [&](int px) {
+        return static_cast<int16_t>(size == 1 ? px : size == 2 ? px >> 1 : px / size);
+    };
     return {cell(rect.x), cell(rect.y), cell(rect.x + rect.width - 1),
             cell(rect.y + rect.height - 1)};
 }

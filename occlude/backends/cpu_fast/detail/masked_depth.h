@@ -29,6 +29,8 @@ public:
     void expand(std::span<float> out) const;
 
 private:
+    float depth_at(int x, int y) const;
+
     Grid grid_;
     std::vector<MaskedBin> bins_;
     std::vector<float> farthest_;
