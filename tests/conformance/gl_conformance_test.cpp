@@ -23,7 +23,7 @@ std::vector<glm::vec3> box_triangles(const Aabb& box)
     };
     std::vector<glm::vec3> points;
     for (const auto& face : kFaces) {
-        for (const size_t i : {0, 1, 2, 0, 2, 3}) {
+        for (const size_t i : {0u, 1u, 2u, 0u, 2u, 3u}) {
             points.push_back(corner(face[i]));
         }
     }

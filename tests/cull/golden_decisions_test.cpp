@@ -174,7 +174,7 @@ TEST(GoldenDecisions, DoNotDependOnTheNumberOfThreads)
 {
     for (const HierarchyKind& kind : hierarchy_kinds()) {
         std::vector<uint64_t> hashes;
-        for (const size_t threads : {1, 2}) {
+        for (const size_t threads : {size_t{1}, size_t{2}}) {
             const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
             hashes.push_back(decisions_of("chc_plus_plus", tree_of(kind)));
         }

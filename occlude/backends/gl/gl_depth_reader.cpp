@@ -164,7 +164,7 @@ GlDepthReader::GlDepthReader(GlProgram pixels, GlProgram samples)
     , vertex_array_(GlVertexArray::make())
     , sampler_(GlSampler::make())
 {
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) {
+    for (const GLenum filter : {GLenum{GL_TEXTURE_MIN_FILTER}, GLenum{GL_TEXTURE_MAG_FILTER}}) {
         glSamplerParameteri(sampler_.name(), filter, GL_NEAREST);
     }
 }

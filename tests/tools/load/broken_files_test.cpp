@@ -119,7 +119,7 @@ TEST(BrokenFiles, NodesThatNestTooDeeplyAreRefused)
     ASSERT_TRUE(model) << model.error().message;
     EXPECT_EQ(drawn_triangles(*model), 1u);
     const std::string says = "node 1000 lies more than 1000 nodes deep";
-    for (const size_t count : {1001, 100000}) {
+    for (const size_t count : {1001u, 100000u}) {
         const std::string nodes = chain_of_nodes(count);
         expect_error(gltf_file(nodes), ErrorCode::bad_data, says);
         const std::string glb = glb_of(gltf_with_nodes(nodes, ""), triangle_buffer());

@@ -146,7 +146,7 @@ TEST(Motion, TurnsByTheAngleTimesTheFrameWithoutDrift)
     motion.spin = std::tan(0.5f * glm::radians(7.0f)) * axis;
     glm::mat4 start{1.0f};
     start[0] *= 3.0f; // a scaled object keeps its size
-    for (const size_t frame : {1, 2, 3, 100, 9999}) {
+    for (const size_t frame : {1u, 2u, 3u, 100u, 9999u}) {
         const float angle = glm::radians(std::fmod(7.0f * static_cast<float>(frame), 360.0f));
         const glm::mat3 expected = glm::mat3_cast(glm::angleAxis(angle, axis)) * glm::mat3{start};
         const glm::mat3 turned{moved(motion, {}, start, frame)};
@@ -177,7 +177,7 @@ TEST(Motion, BoundsOfTheSceneHoldEveryFrame)
     const Aabb bounds = world_bounds(model);
     MovingStage moving{crowd()};
     const Stage stage = moving.stage();
-    for (const size_t frame : {0, 1, 17, 500}) {
+    for (const size_t frame : {0u, 1u, 17u, 500u}) {
         set_frame(stage, frame);
         for (const ItemBounds& item : stage.item_bounds) {
             EXPECT_TRUE(contains(inflated(bounds, 1e-3f), item.box)) << frame;
