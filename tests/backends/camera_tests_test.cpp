@@ -213,7 +213,7 @@ TYPED_TEST(CameraTests, NoOwnerOfASampleIsHiddenFarFromTheOrigin)
                 Tally tally;
                 for (uint64_t i = 0; i < 12 * test::soak_factor(); ++i) {
                     const Pose pose = test::random_pose(rng, 1.0, offset);
-                    const Projection& projection = test::all_projections()[i % 13];
+                    const Projection projection = test::all_projections()[i % 13];
                     device.test(turned(projection, pose, 1.0, drawing), method, tally);
                 }
                 EXPECT_EQ(tally.lost, 0u)
@@ -237,7 +237,7 @@ TYPED_TEST(CameraTests, NoOwnerOfASampleIsHiddenInAnyUnit)
         for (const TestMethod method : TypeParam::methods()) {
             Tally tally;
             for (uint64_t i = 0; i < 13 * test::soak_factor(); ++i) {
-                const Projection& projection = test::all_projections()[i % 13];
+                const Projection projection = test::all_projections()[i % 13];
                 device.test(turned(projection, test::random_pose(rng, unit), unit), method, tally);
             }
             EXPECT_EQ(tally.lost, 0u) << unit << ", " << name(method);
