@@ -3,6 +3,7 @@
 
 In the Markdown files: links and their #anchors, files, functions and options in `back quotes`, and the commands
 of fenced blocks with their options. In the comments of the library's headers: the files that they name.
+Each algorithm has a page with its usual headings, and a row in README.md and in docs/algorithms.md.
 
 usage: check_docs.py [ROOT] [--program PROGRAM]
        With PROGRAM, the commands of fenced blocks are also compared with what PROGRAM COMMAND --help offers.
@@ -174,6 +175,28 @@ def unknown_files_in_headers(root, sources):
                 yield f"{header.relative_to(root)}: there is no file {name}"
 
 
+# The headings of an algorithm's page, as far as they are the same for one algorithm and for two.
+HEADINGS = ("## The idea", "## How to use ", "## Cost", "## When not to use ")
+
+
+def undocumented_algorithms(root):
+    """One sentence per page, heading or row that the documentation of an algorithm lacks."""
+    pages = {page: page.read_text("utf-8") for page in sorted(root.glob("docs/algorithms/*.md"))}
+    lists = [page for page in (root / "README.md", root / "docs" / "algorithms.md") if page.exists()]
+    for header in sorted((root / "occlude" / "cull").glob("*.h")):
+        for name in re.findall(r'\.name = "(\w+)"', header.read_text("utf-8")):
+            mine = [page for page, text in pages.items() if re.match(rf"# .*\b{name}\b", text)]
+            if not mine:
+                yield f"docs/algorithms: no page is headed `# {name}`"
+            for page in mine:
+                for heading in HEADINGS:
+                    if f"\n{heading}" not in pages[page]:
+                        yield f"{page.relative_to(root)}: there is no heading `{heading.strip()}`"
+            for page in lists:
+                if not re.search(rf"^\| [`\[][^|]*\b{name}\b[^|]*\|", page.read_text("utf-8"), re.MULTILINE):
+                    yield f"{page.relative_to(root)}: no row of a table begins with {name}"
+
+
 def problems_of(root, program=None):
     """All problems, in a fixed order."""
     sources = Sources(root)
@@ -182,6 +205,7 @@ def problems_of(root, program=None):
         *unknown_names(root, sources),
         *broken_commands(root, sources, help_by(program)),
         *unknown_files_in_headers(root, sources),
+        *undocumented_algorithms(root),
     ]
 
 

@@ -9,6 +9,6 @@ int main(int argc, char** argv)
 {
     using namespace occlude::tools;
     install_last_words();
-    const Watcher watcher = ::isatty(STDERR_FILENO) != 0 ? Watcher::terminal : Watcher::none;
+    const Watcher watcher = ::isatty(STDERR_FILENO) != 0 ? Watcher::terminal : Watcher::log;
     return run_program(argc, argv, {std::cout, std::cerr, watcher});
 }

@@ -289,6 +289,22 @@ TEST_P(DepthInvariants, EqualFramesAreCulledEqually)
     EXPECT_EQ(device.frame_text(0), device.frame_text(6));
 }
 
+// A new algorithm without a line above would be free to break them.
+TEST(DepthInvariantsCases, HoldEveryExactAlgorithmThatReadsDepth)
+{
+    for (const AlgorithmInfo& info : algorithms()) {
+        if (info.needs.depth_read && info.exact && !info.needs.visible_set) {
+            EXPECT_EQ(std::ranges::count_if(cases(),
+                                            [&](const Case& c) {
+                                                return c.algorithm == info.name &&
+                                                       c.options.empty();
+                                            }),
+                      1)
+                << info.name;
+        }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Cull, DepthInvariants, ::testing::ValuesIn(all_cases()), name_of);
 
 } // namespace

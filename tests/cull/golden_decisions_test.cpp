@@ -13,6 +13,8 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <sstream>
+#include <string>
 #include <thread>
 
 namespace occlude {
@@ -68,6 +70,14 @@ Hierarchy tree_of(const HierarchyKind& kind)
     return kind.build(test::random_boxes(600, 21), 300);
 }
 
+// As the tables have it, to be copied from a failure.
+std::string hex(uint64_t hash)
+{
+    std::ostringstream text;
+    text << "0x" << std::hex << hash;
+    return text.str();
+}
+
 struct Golden {
     const char* hierarchy;
     const char* algorithm;
@@ -102,7 +112,7 @@ TEST(GoldenDecisions, AreTheSameEverywhere)
     for (const Golden& golden : kGolden) {
         const HierarchyKind* kind = find_hierarchy_kind(golden.hierarchy);
         ASSERT_NE(kind, nullptr);
-        EXPECT_EQ(decisions_of(golden.algorithm, tree_of(*kind)), golden.hash)
+        EXPECT_EQ(hex(decisions_of(golden.algorithm, tree_of(*kind))), hex(golden.hash))
             << golden.algorithm << " on " << golden.hierarchy;
     }
 }
@@ -154,7 +164,7 @@ TEST(GoldenDecisions, OfTheAlgorithmsThatReadDepthAreTheSameEverywhereByEveryMet
         if (golden.method[0] != '\0') {
             options.emplace_back("method", golden.method);
         }
-        EXPECT_EQ(decisions_by(golden.algorithm, tree_of(*kind), options), golden.hash)
+        EXPECT_EQ(hex(decisions_by(golden.algorithm, tree_of(*kind), options)), hex(golden.hash))
             << golden.algorithm << " " << golden.method << " on " << golden.hierarchy;
     }
 }

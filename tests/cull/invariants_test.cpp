@@ -290,6 +290,22 @@ TEST_P(Invariants, AResetForgetsEverything)
     EXPECT_EQ(first_frames[0], first_frames[1]);
 }
 
+// A new algorithm without a line in invariant_cases.h would be free to break them.
+TEST(InvariantsCases, HoldEveryExactAlgorithmThatTestsBoxes)
+{
+    for (const AlgorithmInfo& info : algorithms()) {
+        if (info.needs.queries && info.exact && !info.needs.visible_set) {
+            EXPECT_EQ(std::ranges::count_if(cases(),
+                                            [&](const Case& c) {
+                                                return c.algorithm == info.name &&
+                                                       c.options.empty();
+                                            }),
+                      1)
+                << info.name;
+        }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Cull, Invariants, ::testing::ValuesIn(cases_on_every_hierarchy()),
                          name_of);
 INSTANTIATE_TEST_SUITE_P(Cull, LatencyInvariants,

@@ -63,6 +63,18 @@ class Names(unittest.TestCase):
     def test_the_changelog_speaks_of_the_past(self):
         self.assertEqual(problems_with("", {"CHANGELOG.md": "`cull/old.h` `--gone`\n"}), [])
 
+    def test_an_algorithm_without_a_page_or_a_row(self):
+        header = {"occlude/cull/lazy.h": '.name = "lazy",\n'}
+        self.assertEqual(
+            problems_with("", header),
+            ["docs/algorithms: no page is headed `# lazy`", "README.md: no row of a table begins with lazy"],
+        )
+        page = "# lazy\n\n## The idea\n\n## How to use it\n\n## Cost\n"
+        found = problems_with("| `lazy` | does little |\n", {**header, "docs/algorithms/lazy.md": page})
+        self.assertEqual(found, ["docs/algorithms/lazy.md: there is no heading `## When not to use`"])
+        whole = {**header, "docs/algorithms/lazy.md": page + "\n## When not to use it\n"}
+        self.assertEqual(problems_with("| `lazy` | does little |\n", whole), [])
+
     def test_a_header_that_names_a_file_which_is_gone(self):
         found = problems_with("", {"occlude/core/view.h": "// See cull/old.h.\n"})
         self.assertEqual(found, ["occlude/core/view.h: there is no file cull/old.h"])

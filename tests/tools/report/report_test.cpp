@@ -1,4 +1,3 @@
-#include "commands/progress.h"
 #include "report/csv_report.h"
 #include "report/headline.h"
 #include "report/html_report.h"
@@ -321,49 +320,6 @@ TEST(HtmlReport, EscapesWhatComesFromOutside)
     const std::vector<BenchDocument> documents = {example()};
     EXPECT_NE(html_report(documents).find("&quot;old&quot; &lt;/script&gt;, path auto"),
               std::string::npos);
-}
-
-TEST(Progress, IsSilentWhenNobodyWatches)
-{
-    std::ostringstream err;
-    {
-        Progress progress{err, Watcher::none, "work"};
-        progress.show(0.5);
-    }
-    EXPECT_EQ(err.str(), "");
-}
-
-TEST(Progress, EstimatesFromTheShareDoneAndCleansUp)
-{
-    std::ostringstream err;
-    double now = 0.0;
-    {
-        Progress progress{err, Watcher::terminal, "work", [&] { return now; }};
-        now = 30.0;
-        progress.show(0.25);
-        EXPECT_NE(err.str().find("25%, about 1 min 30 s left"), std::string::npos) << err.str();
-        const size_t length = err.str().size();
-        now = 30.05;
-        progress.show(0.26); // too soon to draw again
-        EXPECT_EQ(err.str().size(), length);
-    }
-    EXPECT_EQ(err.str().back(), '\r');
-}
-
-TEST(Progress, PhasesHaveEstimatesOfTheirOwnAndUnknownSharesATime)
-{
-    std::ostringstream err;
-    double now = 0.0;
-    Progress progress{err, Watcher::terminal, "castle", [&] { return now; }};
-    progress.show("reading", kNotMeasured);
-    now = 12.0;
-    progress.show("reading", kNotMeasured);
-    EXPECT_NE(err.str().find("castle: reading, 12 s"), std::string::npos) << err.str();
-    progress.show("building", 0.0); // at once, though the last line is new
-    EXPECT_NE(err.str().find("castle: building ["), std::string::npos) << err.str();
-    now = 22.0;
-    progress.show("building", 0.5);
-    EXPECT_NE(err.str().find("50%, about 10 s left"), std::string::npos) << err.str();
 }
 
 } // namespace occlude::tools
