@@ -83,6 +83,21 @@ void Chc::visit_node(CullFrame& frame, DistanceQueue::Entry entry)
     }
 }
 
+// Waits for the next result only if nothing is left to traverse.
+void Chc::handle_finished_queries(CullFrame& frame)
+{
+    while (!query_queue_.empty()) {
+        const PendingQuery query = query_queue_.front();
+        const Answer answer =
+            distance_queue_.empty() ? frame.wait(query.ticket) : frame.poll(query.ticket);
+        if (answer.state == AnswerState::pending) {
+            return;
+        }
+        query_queue_.pop();
+        handle_returned_query(frame, query, answer);
+    }
+}
+
 void Chc::cull_frame(CullFrame& frame)
 {
     states_.resize(hierarchy().nodes().size());
@@ -90,18 +105,7 @@ void Chc::cull_frame(CullFrame& frame)
     distance_queue_.push(root, 0.0f, Frustum::kAllPlanes);
 
     while (!distance_queue_.empty() || !query_queue_.empty()) {
-        // Handles the results that have arrived; waits for the next one if nothing is left to
-        // traverse.
-        while (!query_queue_.empty()) {
-            const PendingQuery query = query_queue_.front();
-            Answer answer =
-                distance_queue_.empty() ? frame.wait(query.ticket) : frame.poll(query.ticket);
-            if (answer.state == AnswerState::pending) {
-                break;
-            }
-            query_queue_.pop();
-            handle_returned_query(frame, query, answer);
-        }
+        handle_finished_queries(frame);
         if (!distance_queue_.empty()) {
             visit_node(frame, distance_queue_.pop());
         }

@@ -4,6 +4,8 @@
 //             Hardware Occlusion Queries Made Useful", Computer Graphics Forum 23(3), 2004; as in
 //             Bittner, Mattausch, Wimmer, "Game-Engine-Friendly Occlusion Culling", ShaderX7 8.4.
 // Map         Listing 8.4.1 main loop      -> Chc::cull_frame
+//             ... process finished queries -> handle_finished_queries
+//             ... hierarchical traversal   -> visit_node
 //             HandleReturnedQuery          -> handle_returned_query
 //             TraverseNode                 -> traverse_node
 //             PullUpVisibility             -> pull_up_visibility
@@ -79,6 +81,7 @@ private:
     void reset_state() override;
     Guarantee guarantee() const override { return by_threshold(options_.threshold); }
 
+    void handle_finished_queries(CullFrame& frame);
     void visit_node(CullFrame& frame, DistanceQueue::Entry entry);
     void query_node(CullFrame& frame, NodeId node, PlaneMask mask);
     void handle_returned_query(CullFrame& frame, const PendingQuery& query, const Answer& answer);

@@ -31,11 +31,11 @@
 
 #include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
-#include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/cull_frame.h>
 #include <occlude/cull/parts/distance_queue.h>
 #include <occlude/cull/parts/fifo.h>
 #include <occlude/cull/parts/multiquery.h>
+#include <occlude/cull/parts/multiquery_value.h>
 #include <occlude/cull/parts/tight_bounds.h>
 
 #include <array>

@@ -26,7 +26,7 @@
 //             The loop waits for the nearest query when there is nothing else to do.
 // Guarantees  exact with threshold 0, whatever moves: a leaf in the frustum is drawn, or lies in a
 //             node whose test found nothing in this frame (I1).
-// Cost        one test per hidden node below a visible one, and one per visible node in each
+// Cost        one test per hidden node below a visible one, and one per visible node in
 //             1 + postponement frames; with `disjoint`, one batch and one wait per layer of boxes
 //             that overlap on the screen. On trees that are not two-level it works all the same,
 //             without oriented boxes.
@@ -34,9 +34,9 @@
 
 #include <occlude/core/option_range.h>
 #include <occlude/cull/culler.h>
-#include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/cull_frame.h>
 #include <occlude/cull/parts/multiquery.h>
+#include <occlude/cull/parts/multiquery_value.h>
 #include <occlude/cull/parts/object_spaces.h>
 
 #include <cstdint>

@@ -11,8 +11,9 @@
 // Guarantees  exact with depth of this frame and camera, drawn from items that the engine draws:
 //             every item is listed that the handed depth does not hide. Depth of an earlier frame
 //             or of another camera may hide items that have become visible since.
-// Cost        a test is a comparison on the CPU; nothing waits. draw() only extends the list: depth
-//             does not change within a cull, so that listed items hide no others.
+// Cost        a test is a comparison on the CPU; nothing waits. draw() only extends the list:
+//             the depth stays as it was handed over, so that an item in the list hides another one
+//             only if it is in that depth, too.
 #pragma once
 
 #include <occlude/core/query_device.h>

@@ -16,9 +16,9 @@
 
 #include <occlude/cull/adaptive/method_trials.h>
 #include <occlude/cull/adaptive/shared.h>
-#include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/coverage.h>
 #include <occlude/cull/parts/multiquery.h>
+#include <occlude/cull/parts/multiquery_value.h>
 
 #include <cstdint>
 #include <span>

@@ -2,7 +2,7 @@
 // is visible after all, the test is split.
 //
 // Implements  ShaderX7 8.4, "Multiqueries".
-// Map         GetNextMultiQuery -> add_groups (its value: chc_plus_plus_math.h)
+// Map         GetNextMultiQuery -> add_groups (its value: multiquery_value.h)
 //             IssueQuery        -> add_test, submit
 //             failed multiquery -> split
 //
@@ -13,8 +13,8 @@
 #pragma once
 
 #include <occlude/core/assert.h>
-#include <occlude/cull/parts/chc_plus_plus_math.h>
 #include <occlude/cull/parts/cull_frame.h>
+#include <occlude/cull/parts/multiquery_value.h>
 
 #include <algorithm>
 #include <cstdint>

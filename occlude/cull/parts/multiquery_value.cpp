@@ -1,4 +1,4 @@
-#include <occlude/cull/parts/chc_plus_plus_math.h>
+#include <occlude/cull/parts/multiquery_value.h>
 
 #include <occlude/core/assert.h>
 
