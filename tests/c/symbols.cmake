@@ -1,5 +1,5 @@
-# The dynamic symbols of LIBRARY are exactly the functions that HEADER declares.
-# Arguments: LIBRARY HEADER NM
+# The dynamic symbols of LIBRARY are exactly the functions that the headers of FOLDER declare.
+# Arguments: LIBRARY FOLDER NM
 execute_process(COMMAND ${NM} -D --defined-only --format=posix ${LIBRARY}
                 OUTPUT_VARIABLE listing COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "[^\n]+" lines "${listing}")
@@ -11,7 +11,12 @@ foreach(line IN LISTS lines)
   endif()
 endforeach()
 
-file(READ ${HEADER} header)
+file(GLOB headers ${FOLDER}/*.h)
+set(header "")
+foreach(file IN LISTS headers)
+  file(READ ${file} text)
+  string(APPEND header "${text}")
+endforeach()
 string(REPLACE ";" " " header "${header}")
 string(REGEX MATCHALL "OCCLUDE_C_API[^(]*occlude_[a-z_]+\\(" declarations "${header}")
 set(declared "")
@@ -24,9 +29,9 @@ list(SORT shown)
 list(SORT declared)
 list(LENGTH declared count)
 if(count LESS 20)
-  message(FATAL_ERROR "only ${count} declarations were found in ${HEADER}")
+  message(FATAL_ERROR "only ${count} declarations were found in ${FOLDER}")
 endif()
 if(NOT shown STREQUAL declared)
-  message(FATAL_ERROR "the library shows\n  ${shown}\nbut its header declares\n  ${declared}")
+  message(FATAL_ERROR "the library shows\n  ${shown}\nbut its headers declare\n  ${declared}")
 endif()
 message(STATUS "${count} functions, and nothing else")
