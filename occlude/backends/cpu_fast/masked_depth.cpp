@@ -106,7 +106,7 @@ MaskedBin& MaskedDepth::write(size_t bin)
 // The depth of one cell.
 float MaskedDepth::depth_at(int x, int y) const
 {
-    const auto index = static_cast<size_t>(y / kBinHeight * grid_.size_bins.x + x / kBinWidth);
+    const size_t index = grid_.bin_index(x / kBinWidth, y / kBinHeight);
     if (written_[index] == 0) {
         return 1.0f;
     }
@@ -124,7 +124,7 @@ bool MaskedDepth::hides(const CellRect& cells, float nearest) const
     }
     for (int ty = cells.y0 / kBinHeight; ty <= cells.y1 / kBinHeight; ++ty) {
         for (int tx = cells.x0 / kBinWidth; tx <= cells.x1 / kBinWidth; ++tx) {
-            const auto bin = static_cast<size_t>(ty * grid_.size_bins.x + tx);
+            const size_t bin = grid_.bin_index(tx, ty);
             if (farthest_[bin] < nearest) {
                 continue;
             }
@@ -150,8 +150,7 @@ void MaskedDepth::expand(std::span<float> out) const
     for (int y = 0; y < size.y; ++y) {
         float* row = out.data() + static_cast<ptrdiff_t>(y) * size.x;
         for (int x = 0; x < size.x; x += kSubTileWidth) {
-            const auto index =
-                static_cast<size_t>(y / kBinHeight * grid_.size_bins.x + x / kBinWidth);
+            const size_t index = grid_.bin_index(x / kBinWidth, y / kBinHeight);
             const int count = std::min(kSubTileWidth, size.x - x);
             if (written_[index] == 0) {
                 std::fill(row + x, row + x + count, 1.0f);

@@ -257,7 +257,7 @@ void MeshSetup::bin(uint32_t index)
     const int ty0 = cells.y0 / kBinHeight;
     const int ty1 = cells.y1 / kBinHeight;
     const auto bin_at = [&](int tx, int ty) -> std::vector<uint32_t>& {
-        return out_->bins[static_cast<size_t>(ty * grid_.size_bins.x + tx)];
+        return out_->bins[grid_.bin_index(tx, ty)];
     };
     if (tx0 == tx1 && ty0 == ty1) {
         bin_at(tx0, ty0).push_back(index);

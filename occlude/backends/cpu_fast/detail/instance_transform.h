@@ -26,6 +26,11 @@ struct Grid {
     Grid() = default;
     Grid(glm::ivec2 size_px, int cell_px);
     size_t bin_count() const { return pixel_count(size_bins); }
+    /// Of bin column x in bin row y.
+    size_t bin_index(int x, int y) const
+    {
+        return static_cast<size_t>(y) * static_cast<size_t>(size_bins.x) + static_cast<size_t>(x);
+    }
 };
 
 /// How one instance of a mesh comes onto the grid.
