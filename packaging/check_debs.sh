@@ -16,17 +16,11 @@ cp -r packaging/debian "$folder/occlude/debian"
 (cd "$folder/occlude" && dpkg-buildpackage -b -us -uc)
 lintian --fail-on error,warning --info "$folder"/*.changes
 
-# shellcheck disable=SC2016 # $1 is the root, in mmdebstrap's shell
+# $1 is the root, in mmdebstrap's shell
+# shellcheck disable=SC2016
 mmdebstrap --quiet --variant=apt --include=ca-certificates \
     --customize-hook='mkdir "$1/packages"' \
     --customize-hook="copy-in $(echo "$folder"/*.deb) /packages" \
-    --customize-hook="copy-in '$folder/occlude/tests/install' /opt" \
-    --customize-hook='chroot "$1" sh -c "apt-get -q update && apt-get -q install -y --no-install-recommends \
-        /packages/libocclude1_*.deb /packages/libocclude-dev_*.deb /packages/occlude_*.deb g++ cmake make pkg-config"' \
-    --customize-hook='chroot "$1" sh -c "cmake -S /opt/install -B /opt/build -DOCCLUDE_COMPONENTS=gl,c,conformance \
-        && cmake --build /opt/build && /opt/build/consumer && /opt/build/consumer_c"' \
-    --customize-hook='chroot "$1" sh -c "c++ -std=c++20 /opt/install/consumer.cpp -o /opt/by_pkg_config \
-        \$(pkg-config --static --cflags --libs occlude occlude-gl) && /opt/by_pkg_config"' \
-    --customize-hook='chroot "$1" occlude verify city:blocks=4,triangles=40k --device cpu --frames 4 --size 160x90' \
-    --customize-hook='chroot "$1" test -e /usr/share/man/man1/occlude.1.gz' \
+    --customize-hook="copy-in '$folder/occlude/tests/install' '$PWD/packaging/use_debs.sh' /opt" \
+    --customize-hook='env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin chroot "$1" /opt/use_debs.sh' \
     bookworm /dev/null
