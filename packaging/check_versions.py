@@ -3,7 +3,7 @@
 
 usage: check_versions.py
 
-Prints a line per disagreement with CMakeLists.txt and occlude/c/occlude.h. Exit status 0 if there is
+Prints a line per disagreement with CMakeLists.txt and the headers of occlude/c. Exit status 0 if there is
 none, 1 otherwise.
 """
 
@@ -51,7 +51,8 @@ def problems() -> list[str]:
             found.append(f"{path}: names no option of CMakeLists.txt")
         found += [f"{path}: there is no option OCCLUDE_{name}" for name in sorted(names - options)]
 
-    header = re.sub(r"/\*.*?\*/", "", read("occlude/c/occlude.h"), flags=re.DOTALL)
+    headers = "".join(path.read_text() for path in sorted((ROOT / "occlude/c").glob("*.h")))
+    header = re.sub(r"/\*.*?\*/", "", headers, flags=re.DOTALL)
     declared = set(re.findall(r"OCCLUDE_C_API[^;]*?\b(occlude_\w+)\(", header))
     listed = set(re.findall(r"^ (occlude_\w+)@OCCLUDE_1 ", read("packaging/debian/libocclude1.symbols"), re.MULTILINE))
     found += [f"packaging/debian/libocclude1.symbols: lacks {name}" for name in sorted(declared - listed)]
