@@ -1,20 +1,16 @@
 #include "load/clean_mesh.h"
 
+#include "model/index_table.h"
 #include "model/mesh_tools.h"
-
-#include <occlude/core/rng.h>
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 namespace occlude::tools {
 namespace {
-
-constexpr uint32_t kFree = 0xffffffffu;
 
 bool usable(const glm::vec3& v)
 {
@@ -22,39 +18,6 @@ bool usable(const glm::vec3& v)
     return std::abs(v.x) <= kLargestCoordinate && std::abs(v.y) <= kLargestCoordinate &&
            std::abs(v.z) <= kLargestCoordinate;
 }
-
-uint64_t hash_of(const glm::vec3& v)
-{
-    const glm::vec3 positive = v + 0.0f; // -0 becomes 0
-    return hash64(std::bit_cast<uint32_t>(positive.x), std::bit_cast<uint32_t>(positive.y),
-                  std::bit_cast<uint32_t>(positive.z));
-}
-
-/// An open-addressing table of indices.
-class IndexTable {
-public:
-    explicit IndexTable(size_t entries)
-        : slots_(std::bit_ceil(entries * 2 + 1), kFree)
-    {
-    }
-    /// The index that equals `candidate`, which is put in if there is none.
-    template <class Equal>
-    uint32_t find_or_insert(uint64_t hash, uint32_t candidate, Equal&& equal)
-    {
-        const size_t mask = slots_.size() - 1;
-        size_t at = mix64(hash) & mask;
-        while (slots_[at] != kFree && !equal(slots_[at])) {
-            at = (at + 1) & mask;
-        }
-        if (slots_[at] == kFree) {
-            slots_[at] = candidate;
-        }
-        return slots_[at];
-    }
-
-private:
-    std::vector<uint32_t> slots_;
-};
 
 /// For every vertex the first one at the same position.
 std::vector<uint32_t> first_at_position(const std::vector<glm::vec3>& positions)

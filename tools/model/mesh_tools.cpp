@@ -1,69 +1,19 @@
 #include "model/mesh_tools.h"
 
-#include <occlude/core/rng.h>
 #include <occlude/scene/partition.h>
 #include <occlude/scene/tight_boxes.h>
 
 #include <glm/geometric.hpp>
 
-#include <bit>
 #include <cmath>
-#include <unordered_map>
 #include <utility>
 
 namespace occlude::tools {
 namespace {
 
-constexpr float kSmoothCosine = 0.766f; // 40 degrees
 /// A shape has at most kMostBoxes boxes, and one for each kTrianglesPerBox triangles of the part.
 constexpr uint32_t kMostBoxes = 16;
 constexpr uint32_t kTrianglesPerBox = 32;
-/// A position with more triangles is smoothed as a whole, to limit the cost.
-constexpr size_t kFanLimit = 64;
-
-uint32_t bits(float value)
-{
-    return std::bit_cast<uint32_t>(value == 0.0f ? 0.0f : value); // -0 is 0
-}
-
-uint64_t hash_of(const glm::vec3& v)
-{
-    return hash64(bits(v.x), bits(v.y), bits(v.z));
-}
-
-struct VertexKey {
-    glm::vec3 position;
-    glm::vec3 normal;
-    bool operator==(const VertexKey&) const = default;
-};
-struct VertexHash {
-    size_t operator()(const VertexKey& key) const
-    {
-        return hash64(hash_of(key.position), hash_of(key.normal));
-    }
-};
-
-/// Gives every corner its own vertex with a normal of `normals` (one per corner), then joins equal
-/// vertices.
-void assign_corners(Mesh& mesh, const std::vector<glm::vec3>& corner_normals)
-{
-    std::unordered_map<VertexKey, uint32_t, VertexHash> seen;
-    seen.reserve(mesh.positions.size());
-    std::vector<glm::vec3> positions;
-    std::vector<glm::vec3> normals;
-    for (size_t corner = 0; corner < mesh.indices.size(); ++corner) {
-        const VertexKey key{mesh.positions[mesh.indices[corner]], corner_normals[corner]};
-        const auto [at, is_new] = seen.try_emplace(key, static_cast<uint32_t>(positions.size()));
-        if (is_new) {
-            positions.push_back(key.position);
-            normals.push_back(key.normal);
-        }
-        mesh.indices[corner] = at->second;
-    }
-    mesh.positions = std::move(positions);
-    mesh.normals = std::move(normals);
-}
-
 glm::vec3 direction_of(const glm::vec3& v)
 {
     const float length = glm::length(v);
@@ -158,51 +108,6 @@ void make_shapes(Mesh& mesh)
             part.shape = std::make_shared<const Shape>(std::move(boxes));
         }
     }
-}
-
-void make_normals(Mesh& mesh)
-{
-    struct PositionHash {
-        size_t operator()(const glm::vec3& v) const { return hash_of(v); }
-    };
-    const size_t triangle_count = mesh.indices.size() / 3;
-    std::vector<glm::vec3> area_normals(triangle_count);
-    std::unordered_map<glm::vec3, std::vector<uint32_t>, PositionHash> fans;
-    fans.reserve(mesh.positions.size());
-    for (uint32_t t = 0; t < triangle_count; ++t) {
-        const glm::vec3& a = mesh.positions[mesh.indices[3 * size_t{t}]];
-        const glm::vec3& b = mesh.positions[mesh.indices[3 * size_t{t} + 1]];
-        const glm::vec3& c = mesh.positions[mesh.indices[3 * size_t{t} + 2]];
-        area_normals[t] = glm::cross(b - a, c - a);
-        for (const glm::vec3& corner : {a, b, c}) {
-            fans[corner].push_back(t);
-        }
-    }
-    std::vector<glm::vec3> corner_normals(mesh.indices.size());
-    for (size_t corner = 0; corner < mesh.indices.size(); ++corner) {
-        const glm::vec3 own = direction_of(area_normals[corner / 3]);
-        const std::vector<uint32_t>& fan = fans[mesh.positions[mesh.indices[corner]]];
-        glm::vec3 sum{0.0f};
-        if (fan.size() <= kFanLimit) {
-            for (uint32_t other : fan) {
-                if (glm::dot(direction_of(area_normals[other]), own) > kSmoothCosine) {
-                    sum += area_normals[other];
-                }
-            }
-        }
-        const float length = glm::length(sum);
-        corner_normals[corner] = length > 0.0f ? sum / length : own;
-    }
-    assign_corners(mesh, corner_normals);
-}
-
-void weld(Mesh& mesh)
-{
-    std::vector<glm::vec3> corner_normals(mesh.indices.size());
-    for (size_t corner = 0; corner < mesh.indices.size(); ++corner) {
-        corner_normals[corner] = mesh.normals[mesh.indices[corner]];
-    }
-    assign_corners(mesh, corner_normals);
 }
 
 void MeshBuilder::quad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
