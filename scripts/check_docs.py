@@ -93,7 +93,7 @@ class Sources:
 
 
 def unknown_names(root, sources):
-    """One sentence per file, function or option that a page names in back quotes and nobody has."""
+    """One sentence per file, function or option that a page names in back quotes and that does not exist."""
     for page in pages_of(root):
         place = page.relative_to(root)
         for quoted in QUOTED.findall(FENCE.sub("", page.read_text("utf-8"))):
@@ -167,7 +167,7 @@ def help_by(program):
 
 
 def unknown_files_in_headers(root, sources):
-    """One sentence per file that the comment of a public header names and nobody has."""
+    """One sentence per file that the comment of a public header names and that does not exist."""
     for header in sorted((root / "occlude").rglob("*.h")):
         comments = re.findall(r"//+(.*)", header.read_text("utf-8"))
         for name in FILE.findall("\n".join(comments)):

@@ -34,7 +34,7 @@ def load():
 
 
 def problems(mutations):
-    """Sentences about entries that no longer fit the sources."""
+    """Sentences about entries that do not fit the sources."""
     found = []
     names = [m["name"] for m in mutations]
     for name in sorted({n for n in names if names.count(n) > 1}):

@@ -1,4 +1,4 @@
-"""check_docs.py finds what a page names and nobody has, in made-up repositories, and nothing else."""
+"""check_docs.py finds only the names of missing things, in made-up repositories."""
 
 import sys
 import tempfile
