@@ -1,4 +1,5 @@
 // Messages of the commands about scene files, and about frames that prove nothing.
+#include "load/scene_cache.h"
 #include "support/source_dir.h"
 #include "tools/cli_runner.h"
 
@@ -114,6 +115,68 @@ TEST(Cli, ConvertWritesMetresWithYUp)
     ASSERT_EQ(info.code, 0) << info.err;
     EXPECT_NE(info.out.find("to (8, 3, "), std::string::npos) << info.out;
     expect_refused({"convert", town, "--out", "town.obj"}, {"--out", ".glb"});
+}
+
+/// Writes other bytes of the same size over a file and puts its time back.
+static void change_in_place(const fs::path& file, const std::string& content)
+{
+    ASSERT_EQ(fs::file_size(file), content.size());
+    const auto time = fs::last_write_time(file);
+    std::ofstream(file, std::ios::in | std::ios::out) << content;
+    fs::last_write_time(file, time);
+}
+
+TEST(Cli, AKeptSceneIsUsedUntilAnyOfItsFilesHasOtherContent)
+{
+    const std::string obj = "mtllib paint.mtl\nusemtl a\nv 0 0 0\nv 4 0 0\nv 0 4 0\nf 1 2 3\n";
+    const fs::path material = write_file("paint.mtl", "newmtl a\nd 1.0\n");
+    const fs::path file = write_file("kept.obj", obj);
+    const std::string cache = (file.parent_path() / "cache").string();
+    LoadedScene scene; // as a slow reader would have left it there, but told apart by a note
+    scene.meshes.push_back({.positions = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}, .indices = {0, 1, 2}});
+    scene.instances.push_back({});
+    scene.notes = {"from the cache"};
+    for (const fs::path& source : {file, material}) {
+        scene.sources.push_back({source.string(), content_hash(source)});
+    }
+    keep_scene(cache, scene);
+    const auto uses_cache = [&] {
+        const Outcome info = run(small({"info", file.string(), "--cache", cache}));
+        EXPECT_EQ(info.code, 0) << info.err;
+        return info.out.find("from the cache") != std::string::npos;
+    };
+    EXPECT_TRUE(uses_cache());
+    change_in_place(material, "newmtl a\nd 0.5\n");
+    EXPECT_FALSE(uses_cache()) << "another file that it reads changed";
+    change_in_place(material, "newmtl a\nd 1.0\n");
+    EXPECT_TRUE(uses_cache());
+    std::string edited = obj;
+    edited[edited.find("v 4 0") + 2] = '5';
+    change_in_place(file, edited);
+    EXPECT_FALSE(uses_cache()) << "it changed itself";
+}
+
+TEST(Cli, ABufferOfAGltfFileThatChangesInPlaceIsReadAgain)
+{
+    const auto corner = [](float x) {
+        const float corners[9] = {0, 0, 0, x, 0, 0, 0, 1, 0};
+        return std::string{reinterpret_cast<const char*>(corners), sizeof corners};
+    };
+    const fs::path buffer = write_file("corners.bin", corner(2.0f));
+    const std::string file =
+        write_file("tri.gltf",
+                   R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+                       "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+                       "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+                       "bufferViews":[{"buffer":0,"byteLength":36}],
+                       "buffers":[{"byteLength":36,"uri":"corners.bin"}]})")
+            .string();
+    const std::string cache = (buffer.parent_path() / "cache").string();
+    EXPECT_NE(run(small({"info", file, "--cache", cache})).out.find("to (2, 1, "),
+              std::string::npos);
+    change_in_place(buffer, corner(3.0f));
+    EXPECT_NE(run(small({"info", file, "--cache", cache})).out.find("to (3, 1, "),
+              std::string::npos);
 }
 
 } // namespace occlude::tools
