@@ -1,7 +1,7 @@
 # What `cmake --install` puts where, so that find_package(occlude CONFIG) gives occlude::occlude and,
-# where they were built, occlude::gl, occlude::c and occlude::conformance; and the program with its
-# scenes, manual page and completions. Each is an install component: occlude, gl, c, conformance and
-# program.
+# where they were built, occlude::gl, occlude::c, occlude::conformance and the adapters occlude::osg
+# and occlude::vtk; and the program with its scenes, manual page and completions. Each is an install
+# component: occlude, gl, c, conformance, osg, vtk and program.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -17,7 +17,7 @@ function(occlude_install_library target component file)
 endfunction()
 
 occlude_install_library(occlude occlude occlude-targets)
-foreach(component gl c conformance)
+foreach(component gl c conformance osg vtk)
   if(TARGET occlude_${component})
     set_target_properties(occlude_${component} PROPERTIES EXPORT_NAME ${component})
     occlude_install_library(occlude_${component} ${component} occlude-${component}-targets)

@@ -1,7 +1,6 @@
 #include "leaf_items.h"
 
 #include <occlude/core/rng.h>
-#include <occlude/hierarchy/builders/bvh_builder.h>
 
 #include <osg/Geometry>
 
@@ -15,21 +14,14 @@ namespace occlude {
 
 namespace {
 
-constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
+constexpr uint32_t kNone = ItemTree::kGone;
 
 // Each frame computes matrices from the inverse of its own view, so that rounding differs where the
 // place is the same. This tolerance is far below the steps of the float boxes.
 constexpr double kPlaceTolerance = 0x1p-36;
 
-// A hierarchy is built when one in this many items is new, or new ones have waited this long.
-constexpr uint32_t kNewShare = 8;
-constexpr uint32_t kMaxPendingFrames = 30;
 constexpr uint32_t kFewItems = 64;
-
-constexpr uint32_t kEmptyAfterFrames = 30;    // an item that is missing no longer has a box
-constexpr uint32_t kForgetAfterFrames = 1000; // ... and no longer has an id
-constexpr uint64_t kCostCheckFrames = 64;
-constexpr double kWorstCost = 1.5; // times that of the last build
+constexpr uint32_t kForgetAfterFrames = 1000; // an item that is missing no longer has an id
 
 double largest_entry(const glm::dmat4& m)
 {
@@ -139,7 +131,7 @@ void LeafItems::expect(std::span<const PlacedDrawable> placed)
 void LeafItems::update(std::span<const PlacedDrawable> leaves, std::vector<ItemId>& ids)
 {
     ++frame_;
-    moved_.clear();
+    tree_.begin_frame();
     unmatched_.clear();
     if (items_.size() > 2 * sequence_.size() + kFewItems && frame_ % kForgetAfterFrames == 0) {
         forget_missing();
@@ -165,20 +157,10 @@ void LeafItems::update(std::span<const PlacedDrawable> leaves, std::vector<ItemI
     for (size_t i = 0; i < ids.size(); ++i) {
         sequence_[i] = ids[i].value;
         items_[ids[i].value].place = static_cast<uint32_t>(i);
+        tree_.see(ids[i]);
         follow_box(ids[i].value);
     }
-    empty_missing();
-    if (needs_rebuild()) {
-        hierarchy_ = build_bvh(bounds_);
-        built_items_ = static_cast<uint32_t>(items_.size());
-        built_cost_ = sah_cost(hierarchy_);
-        frames_pending_ = 0;
-        ++rebuilds_;
-    } else if (moved_.size() * 16 > built_items_) {
-        hierarchy_.refit(bounds_);
-    } else if (!moved_.empty()) {
-        hierarchy_.refit(moved_, bounds_);
-    }
+    tree_.update();
 }
 
 bool LeafItems::matches(const Item& item, const PlacedDrawable& leaf) const
@@ -204,8 +186,8 @@ uint32_t LeafItems::add(const PlacedDrawable& leaf)
 {
     const auto id = static_cast<uint32_t>(items_.size());
     items_.push_back({leaf, leaf.drawable->getBoundingBox(), 0, 0});
-    bounds_.push_back({world_box(items_.back().local_box, leaf.world_from_model),
-                       triangles_of(*leaf.drawable), ItemFlags::none});
+    tree_.add(world_box(items_.back().local_box, leaf.world_from_model),
+              triangles_of(*leaf.drawable));
     by_place_.emplace(place_hash(leaf), id);
     return id;
 }
@@ -222,7 +204,7 @@ void LeafItems::place(uint32_t id, const PlacedDrawable& leaf)
     }
     by_place_.emplace(place_hash(leaf), id);
     items_[id].placed = leaf;
-    bounds_[id].box = Aabb::empty(); // so that follow_box() sets it
+    tree_.set_box(ItemId{id}, world_box(items_[id].local_box, leaf.world_from_model));
 }
 
 // Replaces the box if the item has moved, its drawable has another box, or it was missing.
@@ -231,17 +213,14 @@ void LeafItems::follow_box(uint32_t id)
     Item& item = items_[id];
     const osg::BoundingBox& local = item.placed.drawable->getBoundingBox();
     const bool same_box = local._min == item.local_box._min && local._max == item.local_box._max;
-    if (same_box && !bounds_[id].box.is_empty()) {
+    if (same_box && !tree_.box(ItemId{id}).is_empty()) {
         return;
     }
     if (!same_box) {
         item.local_box = local;
-        bounds_[id].triangles = triangles_of(*item.placed.drawable);
+        tree_.set_triangles(ItemId{id}, triangles_of(*item.placed.drawable));
     }
-    bounds_[id].box = world_box(local, item.placed.world_from_model);
-    if (in_hierarchy(ItemId{id})) {
-        moved_.push_back(ItemId{id});
-    }
+    tree_.set_box(ItemId{id}, world_box(local, item.placed.world_from_model));
 }
 
 // Gives leaves at new places the items of the last frame that are missing now; the rest is new.
@@ -271,24 +250,6 @@ void LeafItems::match_moved(std::span<const PlacedDrawable> leaves, std::vector<
     }
 }
 
-// A leaf that is missing may be outside of the frustum, where its box costs nothing, or gone. Looks
-// at some items in each frame.
-void LeafItems::empty_missing()
-{
-    const auto count = static_cast<uint32_t>(items_.size());
-    for (uint32_t i = 0; i < count / kEmptyAfterFrames + 1 && count > 0; ++i) {
-        next_missing_ = next_missing_ + 1 < count ? next_missing_ + 1 : 0;
-        const Item& item = items_[next_missing_];
-        const bool missing = item.last_seen != 0 && item.last_seen + kEmptyAfterFrames < frame_;
-        if (missing && !bounds_[next_missing_].box.is_empty()) {
-            bounds_[next_missing_].box = Aabb::empty();
-            if (in_hierarchy(ItemId{next_missing_})) {
-                moved_.push_back(ItemId{next_missing_});
-            }
-        }
-    }
-}
-
 // Takes ids away from items that were missing for long, and gives the others new ones.
 void LeafItems::forget_missing()
 {
@@ -297,12 +258,10 @@ void LeafItems::forget_missing()
     for (uint32_t id = 0; id < items_.size(); ++id) {
         if (items_[id].last_seen + kForgetAfterFrames >= frame_) {
             items_[kept] = items_[id];
-            bounds_[kept] = bounds_[id];
             new_ids[id] = kept++;
         }
     }
     items_.resize(kept);
-    bounds_.resize(kept);
     by_place_.clear();
     for (uint32_t id = 0; id < kept; ++id) {
         by_place_.emplace(place_hash(items_[id].placed), id);
@@ -310,19 +269,7 @@ void LeafItems::forget_missing()
     for (uint32_t& id : sequence_) { // of the last frame: all of them are kept
         id = new_ids[id];
     }
-    built_items_ = 0;
-}
-
-bool LeafItems::needs_rebuild()
-{
-    const auto pending = static_cast<uint32_t>(items_.size()) - built_items_;
-    frames_pending_ = pending > 0 ? frames_pending_ + 1 : 0;
-    if (pending > built_items_ / kNewShare + kFewItems || frames_pending_ > kMaxPendingFrames ||
-        (built_items_ == 0 && pending > 0)) {
-        return true;
-    }
-    return !moved_.empty() && frame_ % kCostCheckFrames == 0 &&
-           sah_cost(hierarchy_) > kWorstCost * built_cost_;
+    tree_.renumber(new_ids);
 }
 
 } // namespace occlude

@@ -7,8 +7,9 @@
 // leaf's box is that of the present frame.
 #pragma once
 
+#include "item_tree.h"
+
 #include <occlude/core/ids.h>
-#include <occlude/hierarchy/hierarchy.h>
 
 #include <osg/BoundingBox>
 #include <osg/Drawable>
@@ -38,17 +39,17 @@ public:
     void expect(std::span<const PlacedDrawable> placed);
 
     /// Finds the items of the leaves of this frame, writes one id per leaf, and brings the
-    /// hierarchy up to date: refits what has moved, empties what was missing for a while, and
-    /// rebuilds it when one item in kNewShare is new. Ids keep their meaning until the next call.
+    /// tree up to date: refits what has moved, empties what was missing for a while, and
+    /// rebuilds it when enough is new. Ids keep their meaning until the next call.
     void update(std::span<const PlacedDrawable> leaves, std::vector<ItemId>& ids);
 
     /// False for items that the hierarchy does not know yet: they cannot be culled.
-    bool in_hierarchy(ItemId item) const { return item.value < built_items_; }
+    bool in_hierarchy(ItemId item) const { return tree_.in_hierarchy(item); }
 
-    const Hierarchy& hierarchy() const { return hierarchy_; }
+    const Hierarchy& hierarchy() const { return tree_.hierarchy(); }
     size_t size() const { return items_.size(); }
-    size_t moved() const { return moved_.size(); }
-    uint64_t rebuilds() const { return rebuilds_; }
+    size_t moved() const { return tree_.moved(); }
+    uint64_t rebuilds() const { return tree_.rebuilds(); }
 
 private:
     struct Item {
@@ -64,23 +65,14 @@ private:
     void place(uint32_t id, const PlacedDrawable& leaf);
     void follow_box(uint32_t id);
     void match_moved(std::span<const PlacedDrawable> leaves, std::vector<ItemId>& ids);
-    void empty_missing();
     void forget_missing();
-    bool needs_rebuild();
 
-    Hierarchy hierarchy_;
+    ItemTree tree_;
     std::vector<Item> items_;                              ///< by ItemId
-    std::vector<ItemBounds> bounds_;                       ///< by ItemId
     std::unordered_multimap<uint64_t, uint32_t> by_place_; ///< from place_hash()
     std::vector<uint32_t> sequence_;                       ///< the ids of the last frame, in order
     std::vector<uint32_t> unmatched_;                      ///< leaves of this frame without an id
-    std::vector<ItemId> moved_;
     uint64_t frame_ = 0;
-    uint64_t rebuilds_ = 0;
-    uint32_t built_items_ = 0; ///< ids below are in the hierarchy
-    uint32_t next_missing_ = 0;
-    uint32_t frames_pending_ = 0; ///< since the first item that waits for the next hierarchy
-    double built_cost_ = 0.0;
 };
 
 } // namespace occlude

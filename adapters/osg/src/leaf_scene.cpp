@@ -3,9 +3,6 @@
 #include <osg/State>
 #include <osgUtil/StateGraph>
 
-#include <algorithm>
-#include <bit>
-
 namespace occlude {
 
 void LeafRenderer::start(osg::RenderInfo& info, osgUtil::RenderLeaf& previous)
@@ -36,7 +33,7 @@ void LeafScene::set_frame(LeafRenderer& renderer, std::span<osgUtil::RenderLeaf*
     leaves_ = leaves;
     first_ = first;
     place_of_item_ = place_of_item;
-    batch_.resize(std::max(batch_.size(), leaves.size() / 64 + 1));
+    batch_.make_room(leaves.size());
 }
 
 void LeafScene::begin_frame(const View& view)
@@ -60,27 +57,21 @@ void LeafScene::draw(std::span<const ItemId> items, DrawPass)
     for (const ItemId item : items) {
         const uint32_t place = place_of_item_[item.value];
         if (place != kNotThere) {
-            batch_[place / 64] |= uint64_t{1} << (place % 64);
+            batch_.insert(place);
         }
     }
-    for (size_t word = 0; word < batch_.size(); ++word) {
-        for (uint64_t bits = batch_[word]; bits != 0; bits &= bits - 1) {
-            renderer_->render(*leaves_[word * 64 + static_cast<size_t>(std::countr_zero(bits))]);
-        }
-        batch_[word] = 0;
-    }
+    batch_.take_all([this](uint32_t place) { renderer_->render(*leaves_[place]); });
 }
 
 void LeafScene::prepare_tests()
 {
-    osg::State& state = *renderer_->info().getState();
-    saved_.read(state);
-    saved_.set_for_tests(state, viewport_);
+    saved_.read();
+    saved_.set_for_tests(viewport_);
 }
 
 void LeafScene::restore_state()
 {
-    saved_.put_back(*renderer_->info().getState());
+    saved_.put_back();
 }
 
 } // namespace occlude

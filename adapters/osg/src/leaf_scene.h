@@ -1,6 +1,7 @@
 // The engine's side of a GlDevice: draws leaves of the engine as items.
 #pragma once
 
+#include "place_set.h"
 #include "saved_gl_state.h"
 
 #include <occlude/backends/gl/gl_scene.h>
@@ -12,7 +13,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace occlude {
 
@@ -53,8 +53,8 @@ private:
     std::span<osgUtil::RenderLeaf* const> leaves_;
     std::span<const uint32_t> first_;
     std::span<const uint32_t> place_of_item_;
-    std::vector<uint64_t> batch_; ///< a bit per place, all clear between calls
-    std::array<GLint, 4> viewport_{};
+    PlaceSet batch_; ///< empty between calls
+    std::array<int, 4> viewport_{};
     SavedGlState saved_;
 };
 

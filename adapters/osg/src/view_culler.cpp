@@ -1,8 +1,5 @@
 #include "view_culler.h"
 
-#include <occlude/core/clock.h>
-#include <occlude/cull/registry.h>
-
 #include <osg/Camera>
 
 #include <glm/gtc/type_ptr.hpp>
@@ -24,12 +21,8 @@ glm::dmat4 to_glm(const osg::Matrixd& matrix)
 
 ViewCuller::ViewCuller(const OsgCullingOptions& options)
     : options_(options)
+    , culler_(scene_, items_.hierarchy(), options.algorithm, options.on_message, "osg.no_culling")
 {
-}
-
-ViewCuller::~ViewCuller()
-{
-    closing_ = true;
 }
 
 void ViewCuller::draw(osg::RenderInfo& info, osgUtil::RenderLeaf& proxy, const LeafFrame& frame)
@@ -43,7 +36,7 @@ void ViewCuller::draw(osg::RenderInfo& info, osgUtil::RenderLeaf& proxy, const L
     stats_.hidden_leaves = 0;
     stats_.unknown_leaves = 0;
     draw_plain(0, frame_.segment_begin);
-    if (frame_.testable.size() >= options_.min_leaves && prepare_device(info)) {
+    if (frame_.testable.size() >= options_.min_leaves && culler_.prepare()) {
         cull(frame, info);
     } else {
         stats_.report = {};
@@ -145,8 +138,8 @@ void ViewCuller::cull(const LeafFrame& frame, osg::RenderInfo& info)
     const glm::ivec2 size{static_cast<int>(viewport.width()), static_cast<int>(viewport.height())};
     const View view = View::from_clip(glm::mat4{clip_from_world}, size, {}, options);
 
-    stats_.report = culler_->cull(view, *device_);
-    const std::span<const ItemId> drawn = culler_->drawn_items();
+    stats_.report = culler_.cull(view);
+    const std::span<const ItemId> drawn = culler_.drawn_items();
     const auto here = std::ranges::count_if(drawn, [&](ItemId item) {
         return frame_.place_of_item[item.value] != LeafScene::kNotThere;
     });
@@ -155,44 +148,8 @@ void ViewCuller::cull(const LeafFrame& frame, osg::RenderInfo& info)
     stats_.moved_leaves = items_.moved();
     stats_.rebuilds = items_.rebuilds();
     if (info.getState()->getAbortRendering()) {
-        culler_->reset();
+        culler_.forget();
     }
-}
-
-// False if this context can have no device.
-bool ViewCuller::prepare_device(osg::RenderInfo& info)
-{
-    if (device_is_stale_) {
-        culler_.reset();
-        device_.reset(); // leaves the objects of the former context alone
-        device_is_stale_ = false;
-    }
-    if (device_ != nullptr || gave_up_) {
-        return device_ != nullptr;
-    }
-    GlDeviceOptions options;
-    options.on_message = [this](const Message& message) {
-        device_is_stale_ |= message.name == "gl.other_context" || message.name == "gl.context_lost";
-        if (options_.on_message && !closing_) {
-            options_.on_message(message);
-        }
-    };
-    SavedGlState saved;
-    saved.read(*info.getState());
-    auto device = GlDevice::create(scene_, options);
-    saved.put_back(*info.getState());
-    auto culler = make_culler(options_.algorithm, items_.hierarchy(), {}, steady_seconds_clock());
-    if (!device || !culler) {
-        gave_up_ = true;
-        if (options_.on_message) {
-            const Error& error = device ? culler.error() : device.error();
-            options_.on_message({Severity::warning, "osg.no_culling", error.message});
-        }
-        return false;
-    }
-    device_ = std::move(*device);
-    culler_ = std::move(*culler);
-    return true;
 }
 
 } // namespace occlude

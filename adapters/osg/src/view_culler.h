@@ -1,13 +1,12 @@
 // One camera in one context: its hierarchy, culler and device, and how a frame of leaves is drawn.
 #pragma once
 
+#include "host_culler.h"
 #include "leaf_items.h"
 #include "leaf_kind.h"
 #include "leaf_scene.h"
 
-#include <occlude/backends/gl/gl_device.h>
 #include <occlude/core/view.h>
-#include <occlude/cull/culler.h>
 #include <occlude/osg/osg_culling.h>
 
 #include <osg/Matrix>
@@ -16,7 +15,6 @@
 #include <osgUtil/RenderLeaf>
 #include <osgUtil/StateGraph>
 
-#include <memory>
 #include <vector>
 
 namespace occlude {
@@ -34,7 +32,6 @@ struct LeafFrame {
 class ViewCuller {
 public:
     explicit ViewCuller(const OsgCullingOptions& options);
-    ~ViewCuller();
 
     /// Draws the leaves of the frame. `proxy` is the leaf in whose place they are drawn, and whose
     /// state is set, before and after.
@@ -48,17 +45,13 @@ private:
     void place_items(const LeafFrame& frame, const osg::RefMatrix* projection);
     void draw_plain(size_t begin, size_t end);
     void cull(const LeafFrame& frame, osg::RenderInfo& info);
-    bool prepare_device(osg::RenderInfo& info);
+
     OsgCullingOptions options_;
     LeafItems items_;
     LeafScene scene_;
     LeafRenderer renderer_;
     StateKinds state_kinds_;
-    bool closing_ = false; ///< that the context is gone is no fault then
-    std::unique_ptr<GlDevice> device_;
-    std::unique_ptr<Culler> culler_;
-    bool device_is_stale_ = false; ///< made in a context that is gone
-    bool gave_up_ = false;         ///< there can be no device or culler; it was reported
+    HostCuller culler_;
 
     // Of the frame that is drawn.
     struct Frame {

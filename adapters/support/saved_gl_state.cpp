@@ -1,23 +1,6 @@
 #include "saved_gl_state.h"
 
-#include <osg/GLDefines>
-#include <osg/GLExtensions>
-
-#ifndef GL_SHADER_STORAGE_BUFFER_BINDING
-#define GL_SHADER_STORAGE_BUFFER_BINDING 0x90D3
-#endif
-#ifndef GL_VERTEX_ARRAY_BINDING
-#define GL_VERTEX_ARRAY_BINDING 0x85B5
-#endif
-#ifndef GL_PRIMITIVE_RESTART
-#define GL_PRIMITIVE_RESTART 0x8F9D
-#endif
-#ifndef GL_SAMPLE_COVERAGE
-#define GL_SAMPLE_COVERAGE 0x80A0
-#endif
-#ifndef GL_SAMPLE_ALPHA_TO_COVERAGE
-#define GL_SAMPLE_ALPHA_TO_COVERAGE 0x809E
-#endif
+#include <epoxy/gl.h>
 
 namespace occlude {
 
@@ -40,15 +23,17 @@ constexpr std::array<Mode, 18> kModeTable{{
     {GL_SAMPLE_COVERAGE, false, true},
     {GL_COLOR_LOGIC_OP, false, true},
     {GL_PRIMITIVE_RESTART, false, true},
-    {GL_CLIP_PLANE0, false, true}, // the number of GL_CLIP_DISTANCE0, and so on
-    {GL_CLIP_PLANE1, false, true},
-    {GL_CLIP_PLANE2, false, true},
-    {GL_CLIP_PLANE3, false, true},
-    {GL_CLIP_PLANE4, false, true},
-    {GL_CLIP_PLANE5, false, true},
+    {GL_CLIP_DISTANCE0, false, true}, // the number of GL_CLIP_PLANE0, and so on
+    {GL_CLIP_DISTANCE1, false, true},
+    {GL_CLIP_DISTANCE2, false, true},
+    {GL_CLIP_DISTANCE3, false, true},
+    {GL_CLIP_DISTANCE4, false, true},
+    {GL_CLIP_DISTANCE5, false, true},
     {GL_ALPHA_TEST, true, true},
     {GL_POLYGON_STIPPLE, true, true},
 }};
+
+constexpr int kStorageBufferVersion = 43;
 
 bool is_core_context()
 {
@@ -64,12 +49,12 @@ void set_mode(GLenum mode, bool on)
 
 } // namespace
 
-void SavedGlState::read(osg::State& state)
+void SavedGlState::read()
 {
     const bool core = is_core_context();
     for (size_t i = 0; i < kModes; ++i) {
         const bool there = !(core && kModeTable[i].fixed_pipeline);
-        modes_[i] = there ? glIsEnabled(kModeTable[i].name) : GLboolean{GL_FALSE};
+        modes_[i] = there && glIsEnabled(kModeTable[i].name) == GL_TRUE;
     }
     glGetIntegerv(GL_POLYGON_MODE, polygon_mode_.data());
     if (polygon_mode_[1] == 0) {
@@ -84,16 +69,16 @@ void SavedGlState::read(osg::State& state)
     glGetIntegerv(GL_CURRENT_PROGRAM, &program_);
     glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &vertex_array_);
     glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &array_buffer_);
-    const auto* extensions = state.get<osg::GLExtensions>();
-    if (extensions->glVersion >= 4.3f) {
+    has_storage_buffers_ = epoxy_gl_version() >= kStorageBufferVersion;
+    if (has_storage_buffers_) {
         glGetIntegerv(GL_SHADER_STORAGE_BUFFER_BINDING, &storage_buffer_);
     }
 }
 
-void SavedGlState::set_for_tests(osg::State&, const std::array<GLint, 4>& viewport) const
+void SavedGlState::set_for_tests(const std::array<int, 4>& viewport) const
 {
     for (size_t i = 0; i < kModes; ++i) {
-        if (kModeTable[i].for_tests && modes_[i] != GL_FALSE) {
+        if (kModeTable[i].for_tests && modes_[i]) {
             glDisable(kModeTable[i].name);
         }
     }
@@ -103,12 +88,11 @@ void SavedGlState::set_for_tests(osg::State&, const std::array<GLint, 4>& viewpo
     glScissor(viewport[0], viewport[1], viewport[2], viewport[3]);
 }
 
-void SavedGlState::put_back(osg::State& state) const
+void SavedGlState::put_back() const
 {
-    const auto* extensions = state.get<osg::GLExtensions>();
     for (size_t i = 0; i < kModes; ++i) {
-        if (!kModeTable[i].for_tests || modes_[i] != GL_FALSE) {
-            set_mode(kModeTable[i].name, modes_[i] != GL_FALSE);
+        if (!kModeTable[i].for_tests || modes_[i]) {
+            set_mode(kModeTable[i].name, modes_[i]);
         }
     }
     if (polygon_mode_[0] == polygon_mode_[1]) {
@@ -123,11 +107,11 @@ void SavedGlState::put_back(osg::State& state) const
     glColorMask(color_mask_[0], color_mask_[1], color_mask_[2], color_mask_[3]);
     glDepthMask(depth_mask_);
     glDepthFunc(static_cast<GLenum>(depth_function_));
-    extensions->glUseProgram(static_cast<GLuint>(program_));
-    extensions->glBindVertexArray(static_cast<GLuint>(vertex_array_));
-    extensions->glBindBuffer(GL_ARRAY_BUFFER, static_cast<GLuint>(array_buffer_));
-    if (extensions->glVersion >= 4.3f) {
-        extensions->glBindBuffer(GL_SHADER_STORAGE_BUFFER, static_cast<GLuint>(storage_buffer_));
+    glUseProgram(static_cast<GLuint>(program_));
+    glBindVertexArray(static_cast<GLuint>(vertex_array_));
+    glBindBuffer(GL_ARRAY_BUFFER, static_cast<GLuint>(array_buffer_));
+    if (has_storage_buffers_) {
+        glBindBuffer(GL_SHADER_STORAGE_BUFFER, static_cast<GLuint>(storage_buffer_));
     }
 }
 
