@@ -35,7 +35,9 @@ ALLOWED = {
     },
     "effects": {"core", "screen", "hierarchy", "effects"},
     "device": {"core", "screen", "effects", "device"},
-    "c": {"core", "screen", "hierarchy", "hierarchy/builders", "cull/parts", "cull", "backends/cpu_fast", "c"},
+    "c": {
+        "core", "screen", "hierarchy", "hierarchy/builders", "scene", "cull/parts", "cull", "backends/cpu_fast", "c",
+    },
     "conformance": {"core", "screen", "conformance"},
     "backends/gl": {"core", "screen", "backends/gl"},
     "backends/cpu": {"core", "screen", "backends/cpu"},

@@ -41,7 +41,7 @@ extern "C" {
 #endif
 
 /* The interface of this header: grows when members or functions are added. */
-#define OCCLUDE_C_ABI_VERSION 2u
+#define OCCLUDE_C_ABI_VERSION 3u
 
 /* ---- library ---- */
 
@@ -116,6 +116,42 @@ OCCLUDE_C_API occlude_status occlude_hierarchy_refit_moved(occlude_hierarchy* hi
 OCCLUDE_C_API size_t occlude_hierarchy_node_count(const occlude_hierarchy* hierarchy);
 OCCLUDE_C_API size_t occlude_hierarchy_item_count(const occlude_hierarchy* hierarchy);
 OCCLUDE_C_API size_t occlude_hierarchy_memory_bytes(const occlude_hierarchy* hierarchy);
+
+/* ---- shapes (since version 3) ---- */
+
+/* A few boxes that together hold every triangle of a mesh, in the space of the mesh: for what
+ * leaves most of its own box empty. "two_phase" and "adaptive" hide more with them. */
+typedef struct occlude_shape occlude_shape;
+
+typedef struct occlude_box {
+    float min[3];
+    float max[3];
+} occlude_box;
+
+/* At most `most_boxes` boxes around the triangles: 3 floats per position, 3 indices per triangle.
+ * 16 boxes are a good number for some thousand triangles. Copies what it needs. */
+OCCLUDE_C_API occlude_status occlude_shape_from_triangles(const float* positions,
+                                                          size_t position_count,
+                                                          const uint32_t* indices,
+                                                          size_t index_count, uint32_t most_boxes,
+                                                          occlude_shape** shape);
+/* These boxes, copied. */
+OCCLUDE_C_API occlude_status occlude_shape_from_boxes(const occlude_box* boxes, size_t box_count,
+                                                      occlude_shape** shape);
+/* Items that have the shape keep it. */
+OCCLUDE_C_API void occlude_shape_destroy(occlude_shape* shape);
+
+/* The boxes of a shape, the largest first, valid as long as it. Returns their number; `boxes` may
+ * be null. */
+OCCLUDE_C_API size_t occlude_shape_boxes(const occlude_shape* shape, const occlude_box** boxes);
+
+/* Gives an item a shape, or moves the one that it has; null takes it away. `world_from_shape` is
+ * column-major and affine. Call it with every refit that moves the item, or parts of it are missing
+ * in the image. Not while a culler works. */
+OCCLUDE_C_API occlude_status occlude_hierarchy_place_shape(occlude_hierarchy* hierarchy,
+                                                           uint32_t item,
+                                                           const occlude_shape* shape,
+                                                           const float* world_from_shape);
 
 /* ---- views ---- */
 

@@ -128,6 +128,57 @@ TEST(CApi, ARefitMovesItems)
     EXPECT_EQ(culler.drawn(), std::vector<uint32_t>{7});
 }
 
+TEST(CApi, AShapeHoldsItsTrianglesAndStaysWithItsItems)
+{
+    // Two flat squares, far apart in x: one box leaves nearly all of itself empty.
+    const std::vector<float> positions{0, 0, 0, 1,  0, 0, 1,  1, 0, 0, 1, 0,
+                                       9, 0, 5, 10, 0, 5, 10, 1, 5, 9, 1, 5};
+    const std::vector<uint32_t> indices{0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
+    occlude_shape* shape = nullptr;
+    ASSERT_EQ(occlude_shape_from_triangles(positions.data(), 8, indices.data(), 12, 2, &shape),
+              OCCLUDE_OK);
+    const occlude_box* boxes = nullptr;
+    ASSERT_EQ(occlude_shape_boxes(shape, &boxes), 2u);
+    EXPECT_FLOAT_EQ(boxes[0].max[0] - boxes[0].min[0], 1.0f);
+    EXPECT_FLOAT_EQ(boxes[1].max[0] - boxes[1].min[0], 1.0f);
+    occlude_shape* same = nullptr;
+    ASSERT_EQ(occlude_shape_from_boxes(boxes, 2, &same), OCCLUDE_OK);
+    EXPECT_EQ(occlude_shape_boxes(same, nullptr), 2u);
+
+    const HierarchyInC hierarchy{in_c(test::random_boxes(5, 1))};
+    glm::mat4 place{1.0f};
+    const float* matrix = glm::value_ptr(place);
+    EXPECT_EQ(occlude_hierarchy_place_shape(hierarchy.tree, 4, shape, matrix), OCCLUDE_OK);
+    EXPECT_EQ(occlude_hierarchy_place_shape(hierarchy.tree, 4, nullptr, nullptr), OCCLUDE_OK);
+    EXPECT_EQ(occlude_hierarchy_place_shape(hierarchy.tree, 4, same, matrix), OCCLUDE_OK);
+    EXPECT_EQ(occlude_hierarchy_place_shape(hierarchy.tree, 5, same, matrix),
+              OCCLUDE_INVALID_ARGUMENT);
+    EXPECT_EQ(occlude_hierarchy_place_shape(hierarchy.tree, 4, same, nullptr),
+              OCCLUDE_INVALID_ARGUMENT);
+    place[3][3] = 2.0f;
+    EXPECT_EQ(occlude_hierarchy_place_shape(hierarchy.tree, 4, same, matrix),
+              OCCLUDE_INVALID_ARGUMENT);
+    EXPECT_NE(std::string{occlude_last_error()}.find("not affine"), std::string::npos);
+    occlude_shape_destroy(shape);
+    occlude_shape_destroy(same); // item 4 keeps it
+}
+
+TEST(CApi, AShapeOfMeaninglessTrianglesOrBoxesIsRefused)
+{
+    const std::vector<float> positions(9, 0.0f);
+    const std::vector<uint32_t> indices{0, 1, 3};
+    occlude_shape* shape = nullptr;
+    EXPECT_EQ(occlude_shape_from_triangles(positions.data(), 3, indices.data(), 3, 2, &shape),
+              OCCLUDE_INVALID_ARGUMENT);
+    EXPECT_NE(std::string{occlude_last_error()}.find("indices[2] is 3"), std::string::npos);
+    EXPECT_EQ(occlude_shape_from_triangles(positions.data(), 3, indices.data(), 2, 2, &shape),
+              OCCLUDE_INVALID_ARGUMENT);
+    const occlude_box inside_out{{1, 0, 0}, {0, 1, 1}};
+    EXPECT_EQ(occlude_shape_from_boxes(&inside_out, 1, &shape), OCCLUDE_INVALID_ARGUMENT);
+    EXPECT_EQ(shape, nullptr);
+    EXPECT_EQ(occlude_shape_boxes(nullptr, nullptr), 0u);
+}
+
 TEST(CApi, WhatHasNoMeaningIsRefusedWithASentence)
 {
     const std::vector<occlude_item> items = in_c(test::random_boxes(5, 1));

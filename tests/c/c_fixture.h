@@ -151,9 +151,11 @@ inline std::vector<occlude_item> in_c(std::span<const ItemBounds> bounds)
 
 /// Creates a hierarchy through C, and destroys it at the end.
 struct HierarchyInC {
-    explicit HierarchyInC(std::span<const occlude_item> items, const char* kind = "bvh")
+    explicit HierarchyInC(std::span<const occlude_item> items, const char* kind = "bvh",
+                          uint32_t leaf_triangles = 24)
     {
-        EXPECT_EQ(occlude_hierarchy_create(kind, items.data(), items.size(), 24, nullptr, 0, &tree),
+        EXPECT_EQ(occlude_hierarchy_create(kind, items.data(), items.size(), leaf_triangles,
+                                           nullptr, 0, &tree),
                   OCCLUDE_OK)
             << occlude_last_error();
     }
