@@ -3,8 +3,8 @@
 
 usage: page_test.py OCCLUDE CHROMIUM
 
-Every figure on the page must be that of the JSON, rounded; all plots must be drawn, the console must stay silent,
-and on a phone 400 pixels wide nothing may stand out to the right.
+Every figure on the page must be that of the JSON, rounded; so must every number of its sentences and settings, and
+the raw data that it carries. All plots must be drawn, the console must stay silent, and on a phone 400 pixels wide nothing may stand out to the right.
 """
 
 import html.parser
@@ -25,6 +25,7 @@ class Figures(html.parser.HTMLParser):
     def __init__(self):
         super().__init__()
         self.document, self.open, self.figures, self.plotted = None, None, [], None
+        self.within, self.sentences, self.raw = None, [], ""
 
     def handle_starttag(self, tag, attributes):
         attributes = dict(attributes)
@@ -34,8 +35,20 @@ class Figures(html.parser.HTMLParser):
             self.document = int(attributes["data-document"])
         if "data-key" in attributes:
             self.open = (self.document, int(attributes["data-run"]), attributes["data-key"])
+        if tag in ("dd", "p") and self.document is not None:
+            self.within = tag if tag == "dd" or attributes.get("class") == "headline" else None
+        if attributes.get("id") == "occlude-data":
+            self.within = "raw"
+
+    def handle_endtag(self, tag):
+        if tag in (self.within, "script"):
+            self.within = None
 
     def handle_data(self, data):
+        if self.within == "raw":
+            self.raw += data
+        elif self.within and not self.open:
+            self.sentences.append((self.document, data))
         if self.open:
             self.figures.append((*self.open, data))
             self.open = None
@@ -72,6 +85,34 @@ def check_figures(dom, documents):
     assert len(reader.figures) > 15 * runs, f"only {len(reader.figures)} figures for {runs} runs"
 
 
+def leaves(value):
+    """All numbers and strings below a value of JSON."""
+    if isinstance(value, (dict, list)):
+        for child in value.values() if isinstance(value, dict) else value:
+            yield from leaves(child)
+    else:
+        yield value
+
+
+def check_sentences(dom, documents):
+    """The numbers of the headline and of the settings are numbers, or parts of strings, of the JSON."""
+    reader = Figures()
+    reader.feed(dom)
+    assert json.loads(reader.raw) == documents, "the page's raw data are not those of the JSON"
+    checked = 0
+    for document, text in reader.sentences:
+        known = list(leaves({key: value for key, value in documents[document].items() if key != "runs"}))
+        for run in documents[document]["runs"]:
+            known += leaves({key: value for key, value in run.items() if key != "frames"})
+        strings = [value for value in known if isinstance(value, str)]
+        numbers = {value for value in known if isinstance(value, (int, float)) and not isinstance(value, bool)}
+        for token in re.findall(r"\d+(?:,\d{3})*(?:\.\d+)?", text):
+            in_string = any(token in value for value in strings)
+            assert in_string or float(token.replace(",", "")) in numbers, f"'{text}': the JSON has no {token}"
+            checked += 1
+    assert checked >= 10 * len(documents), f"only {checked} numbers in sentences"
+
+
 def check_phone(chromium, folder):
     page = Path(folder) / "phone.html"
     page.write_text(
@@ -96,6 +137,7 @@ def main(program, chromium):
         dom, console = browse(chromium, folder, report)
         assert not console, f"the console says: {console}"
         check_figures(dom, documents)
+        check_sentences(dom, documents)
         check_phone(chromium, folder)
     print("the page says what the JSON says")
 

@@ -64,7 +64,8 @@ std::string headline(const BenchDocument& document, std::optional<size_t> chosen
     std::string html = fmt::format(
         "<p class=\"headline\">On {}, on this machine, <b>{}</b> draws the same pixels {} times as "
         "fast as frustum culling",
-        html_escaped(document.scene), html_escaped(run.algorithm), speed);
+        html_escaped(document.scene),
+        html_escaped(run_label(run, on_several_hierarchies(document.runs))), speed);
     if (const auto ideal = ideal_run(document, *chosen)) {
         html += fmt::format("; the limit is {}",
                             figure("b", *ideal, "speedup_vs_frustum",
@@ -182,7 +183,8 @@ std::string worst(const BenchDocument& document, size_t run)
                                                       "triangles"};
     const std::vector<FrameFigures>& frames = document.runs[run].frames;
     std::string html = fmt::format("<h3>The worst frames of {}</h3>\n<table>",
-                                   html_escaped(document.runs[run].algorithm)) +
+                                   html_escaped(run_label(document.runs[run],
+                                                          on_several_hierarchies(document.runs)))) +
                        headings(kHeadings);
     for (const size_t place : worst_frames(document.runs[run], kFrames)) {
         const FrameFigures& frame = frames[place];

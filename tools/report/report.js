@@ -45,7 +45,7 @@ function plot(id, runs, across, up, points) {
     options: { maintainAspectRatio: false, parsing: false, normalized: true,
                interaction: { mode: 'nearest', axis: 'x', intersect: false },
                plugins: { legend: { display: false } },
-               scales: { x: axis(across, { type: 'linear' }), y: axis(up, { beginAtZero: true }) } }
+               scales: { x: axis(across, { type: 'linear', ticks: { precision: 0 } }), y: axis(up, { beginAtZero: true }) } }
   });
   charts.push(chart);
   return chart;
@@ -74,20 +74,28 @@ function add_toggles(index, runs, plots) {
     swatch.className = 'swatch';
     swatch.style.borderTopColor = run.color;
     swatch.style.borderTopStyle = run.dash.length === 0 ? 'solid' : run.dash[0] > 2 ? 'dashed' : 'dotted';
+    const mark = () => label.classList.toggle('off', !box.checked); // paper shows what is plotted
+    mark();
     label.append(box, swatch, run.label);
     bar.append(label);
-    box.addEventListener('change', () => plots.forEach(chart => {
-      chart.setDatasetVisibility(i, box.checked);
-      chart.update();
-    }));
-    return box;
+    box.addEventListener('change', () => {
+      mark();
+      plots.forEach(chart => {
+        chart.setDatasetVisibility(i, box.checked);
+        chart.update();
+      });
+    });
+    return { box: box, mark: mark };
   });
   for (const [text, checked] of [['all', true], ['none', false]]) {
     const button = document.createElement('button');
     button.type = 'button';
     button.textContent = text;
     button.addEventListener('click', () => {
-      boxes.forEach(box => { box.checked = checked; });
+      boxes.forEach(({ box, mark }) => {
+        box.checked = checked;
+        mark();
+      });
       plots.forEach(chart => {
         runs.forEach((_, i) => chart.setDatasetVisibility(i, checked));
         chart.update();
@@ -106,13 +114,17 @@ function show(doc, index) {
   }
   const several = timed.some(run => run.hierarchy !== timed[0].hierarchy);
   const chosen = section.dataset.chosen;
-  let others = 0;
+  const trees = [...new Set(timed.map(run => run.hierarchy))];
+  const others = [...new Set(timed.map(run => run.algorithm))]
+                   .filter(name => name !== chosen && kYardsticks[name] === undefined);
   const runs = timed.map(run => {
     const own = run.algorithm === chosen ? kChosen : kYardsticks[run.algorithm];
-    const i = own === undefined ? others++ : 0;
+    // One colour per algorithm, and one dash per tree.
+    const i = Math.max(others.indexOf(run.algorithm), 0);
+    const dash = trees.indexOf(run.hierarchy) + Math.floor(i / kColors.length);
     return { label: run.algorithm + (several ? ' on ' + run.hierarchy : ''), frames: run.frames,
              color: own ?? kColors[i % kColors.length],
-             dash: kDashes[Math.floor(i / kColors.length) % kDashes.length],
+             dash: kDashes[dash % kDashes.length],
              shown: timed.length <= kMostAtFirst || own !== undefined };
   });
   add_toggles(index, runs, [
@@ -145,5 +157,11 @@ documents.forEach(show);
 offer('save-json', 'application/json', () => source);
 offer('save-csv', 'text/csv', csv);
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', repaint);
-matchMedia('print').addEventListener('change', () => { repaint(); charts.forEach(chart => chart.resize()); });
+matchMedia('print').addEventListener('change', print => {
+  if (print.matches) { // nobody unfolds paper
+    document.querySelectorAll('details').forEach(details => { details.open = true; });
+  }
+  repaint();
+  charts.forEach(chart => chart.resize());
+});
 document.documentElement.dataset.plotted = charts.length;

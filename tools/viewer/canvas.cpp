@@ -103,6 +103,20 @@ void Canvas::copy_to(uint32_t framebuffer, glm::ivec2 size) const
                       GL_NEAREST);
 }
 
+void Canvas::copy_part(const PixelRect& from, const Canvas& target, const PixelRect& to) const
+{
+    if (empty() || from.width < 1 || from.height < 1 || to.width < 1 || to.height < 1) {
+        return;
+    }
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer_.name());
+    glDisable(GL_SCISSOR_TEST); // a blit obeys it
+    const bool same_size = from.width == to.width && from.height == to.height;
+    glBlitFramebuffer(from.x, from.y, from.x + from.width, from.y + from.height, to.x, to.y,
+                      to.x + to.width, to.y + to.height, GL_COLOR_BUFFER_BIT,
+                      same_size ? GL_NEAREST : GL_LINEAR);
+}
+
 Result<Compositor> Compositor::create()
 {
     auto program = make_program("compositor", kVertex, kFragment);

@@ -2,34 +2,41 @@
 
 #include <atomic>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <new>
 #include <thread>
 
 namespace occlude::tools::viewer {
 
-enum class Phase : uint8_t { reading, building };
-
 // Shared with the thread, which may outlive the loader's interest in it.
 struct Loader::Job {
-    std::atomic<Phase> phase{Phase::reading};
     std::atomic<bool> cancelled{false};
     std::mutex mutex;
-    std::optional<Loaded> result; ///< guarded by mutex
+    std::string phase = "starting";                          ///< guarded by mutex
+    double share = std::numeric_limits<double>::quiet_NaN(); ///< guarded by mutex
+    std::optional<Loaded> result;                            ///< guarded by mutex
+
+    void tell(const std::string& now, double done)
+    {
+        const std::lock_guard lock{mutex};
+        phase = now;
+        share = done;
+    }
 };
 
 static Loader::Loaded load_and_build(const std::string& scene, const StageOptions& options,
-                                     std::atomic<Phase>& phase, const std::atomic<bool>& cancelled)
+                                     const LoadingCallback& tell,
+                                     const std::atomic<bool>& cancelled)
 {
-    auto model = Session::load(scene, options);
+    auto model = Session::load(scene, options, tell);
     if (!model) {
         return model.error();
     }
     if (cancelled) {
         return Error{ErrorCode::invalid_argument, "cancelled"};
     }
-    phase = Phase::building;
-    return Session::prepare(std::move(*model), options);
+    return Session::prepare(std::move(*model), options, tell);
 }
 
 void Loader::start(const std::string& scene, const StageOptions& options)
@@ -41,7 +48,10 @@ void Loader::start(const std::string& scene, const StageOptions& options)
     std::thread{[job = job_, scene, options] {
         Loaded loaded = Error{ErrorCode::bad_data, "out of memory; choose a smaller scene"};
         try {
-            loaded = load_and_build(scene, options, job->phase, job->cancelled);
+            loaded = load_and_build(
+                scene, options,
+                [&](const std::string& phase, double share) { job->tell(phase, share); },
+                job->cancelled);
         } catch (const std::bad_alloc&) { // the message is there already
         } catch (const std::exception& error) {
             loaded = Error{ErrorCode::bad_data, std::string{"unexpected failure: "} + error.what()};
@@ -61,7 +71,20 @@ void Loader::cancel()
 
 std::string Loader::phase() const
 {
-    return job_ && job_->phase == Phase::building ? "building the hierarchy" : "reading the scene";
+    if (!job_) {
+        return {};
+    }
+    const std::lock_guard lock{job_->mutex};
+    return job_->phase;
+}
+
+double Loader::share() const
+{
+    if (!job_) {
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+    const std::lock_guard lock{job_->mutex};
+    return job_->share;
 }
 
 double Loader::seconds() const

@@ -23,8 +23,10 @@ public:
 
     bool loading() const { return job_ != nullptr; }
     const std::string& scene() const { return scene_; }
-    /// "reading the scene" or "building the hierarchy".
+    /// What is being done: "reading", "building the tree".
     std::string phase() const;
+    /// The share of the phase that is done; NaN where nobody knows it.
+    double share() const;
     double seconds() const;
 
     /// What was loaded, once; without a renderer yet (Session::start).

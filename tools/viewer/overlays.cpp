@@ -173,9 +173,9 @@ void add_pyramid(OverlayPicture& picture, std::span<const float> depth, glm::ive
 
 } // namespace
 
-bool OverlaySettings::any() const
+bool OverlaySettings::any_on_screen() const
 {
-    return std::find(on.begin(), on.end(), true) != on.end();
+    return has(Overlay::grid_cells) || has(Overlay::depth_reads) || has(Overlay::pyramid);
 }
 
 void add_box(std::vector<glm::vec3>& points, const Aabb& box)
@@ -226,15 +226,13 @@ OverlayPicture make_overlays(const OverlaySettings& settings, const Pane& pane,
 
 namespace {
 
-void add_state_lines(std::vector<LegendLine>& lines, const Pane& pane, bool with_outside)
+// All of them, whether or not this frame has them: the legend must not change its size at each
+// frame.
+void add_state_lines(std::vector<LegendLine>& lines, bool with_outside)
 {
     for (const StateColor& state : state_colors()) {
-        const auto entries = pane.culler() != nullptr ? pane.culler()->decisions().entries()
-                                                      : std::span<const DecisionLog::Entry>{};
-        const bool used = std::any_of(entries.begin(), entries.end(), [&](const auto& entry) {
-            return entry.decision == state.decision;
-        });
-        if (used && (with_outside || state.decision != Decision::outside)) {
+        if (state.decision != Decision::undecided &&
+            (with_outside || state.decision != Decision::outside)) {
             lines.push_back({state.color.color, std::string{state.meaning}});
         }
     }
@@ -246,7 +244,7 @@ std::vector<LegendLine> legend(Fill fill, const OverlaySettings& settings, const
 {
     std::vector<LegendLine> lines;
     if (fill == Fill::states || settings.has(Overlay::decided_boxes)) {
-        add_state_lines(lines, pane, fill == Fill::states);
+        add_state_lines(lines, fill == Fill::states);
     } else if (fill == Fill::hidden) {
         lines.push_back({kFoundNothing, "hidden: not drawn"});
     }

@@ -49,7 +49,8 @@ struct OverlaySettings {
     int pyramid_level = 4; ///< 2^level pixels a side
 
     bool has(Overlay overlay) const { return on[static_cast<size_t>(overlay)]; }
-    bool any() const;
+    /// Whether one of those is on that lie on the screen of the culling camera.
+    bool any_on_screen() const;
 };
 
 /// Segments of one colour: pairs of points in the world.

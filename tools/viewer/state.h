@@ -23,7 +23,16 @@ struct PanelState {
     bool controls = true;
     bool inspector = true;
     bool timeline = false;
-    bool focus_search = false; ///< the next frame puts the keyboard into the search field
+    bool focus_search = false;   ///< the next frame puts the keyboard into the search field
+    bool narrow = false;         ///< the window has no room for both controls and inspector
+    bool inspector_wins = false; ///< ... and the inspector is the one that is shown
+
+    /// Opens the inspector, in the place of the controls if need be.
+    void show_inspector()
+    {
+        inspector = true;
+        inspector_wins = true;
+    }
 };
 
 struct CameraState {

@@ -111,6 +111,7 @@ void Viewer::remake(SceneModel model)
 {
     StageOptions options = session_->options();
     options.device = options_.device;
+    options.test = options_.test;
     auto session = Session::prepare(std::move(model), options);
     if (!session) {
         say(session.error().message, true);
@@ -158,9 +159,11 @@ void Viewer::choose_device(const std::string& device)
     if (!session_ || device == session_->device_name()) {
         return;
     }
-    if (device == "cpu" && options_.test == "raster") {
-        options_.test = "queries"; // the CPU device has no flag buffer
-        session_->use_test(options_.test);
+    // Only gl has a flag buffer, and cpu_fast has one method.
+    const bool change =
+        options_.test == "raster" || device == "cpu_fast" || session_->device_name() == "cpu_fast";
+    if (change) {
+        options_.test = device == "cpu_fast" ? "pyramid" : "queries";
     }
     options_.device = device;
     remake(session_->model());

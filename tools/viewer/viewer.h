@@ -71,7 +71,13 @@ public:
     /// The finished pictures: of each pane, and where they differ.
     const Canvas& canvas(size_t pane) const { return pictures_.finished[pane]; }
     const Canvas& difference() const { return pictures_.difference; }
+    /// What the culling camera sees, while it is frozen and something lies on its screen; else
+    /// empty.
+    const Canvas& eye() const { return pictures_.eye; }
     const std::vector<ScreenMark>& marks() const { return pictures_.marks; }
+
+    /// The legend of what is shown; empty before a scene is there.
+    std::vector<LegendLine> legend_lines() const;
 
     /// The view that is shown, and the one that is culled.
     View shown_view() const;
@@ -124,6 +130,7 @@ private:
     void measure_references(const Stage& stage, const View& view);
     void check_exactness(const Stage& stage, const View& view);
     void present(size_t index);
+    void take_eye();
     void fill(const Pane& pane, const View& view);
     void draw_overlays(size_t index, const View& view);
     std::vector<ItemId> hidden_items(const Pane& pane) const;
@@ -147,6 +154,7 @@ private:
         Canvas scratch;
         Canvas tinted;
         Canvas difference;
+        Canvas eye;
         std::vector<ScreenMark> marks;
         std::vector<float> depth; ///< of the culled frame, for the pyramid
         glm::ivec2 size{0};

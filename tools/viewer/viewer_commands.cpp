@@ -14,12 +14,18 @@ void Viewer::execute(Command command)
     case Command::toggle_help:
         panels.help = !panels.help;
         return;
-    case Command::toggle_controls:
-        panels.controls = !panels.controls;
+    case Command::toggle_controls: {
+        const bool covered = panels.narrow && panels.inspector && panels.inspector_wins;
+        panels.controls = covered || !panels.controls;
+        panels.inspector_wins = false;
         return;
-    case Command::toggle_inspector:
-        panels.inspector = !panels.inspector;
+    }
+    case Command::toggle_inspector: {
+        const bool covered = panels.narrow && panels.controls && !panels.inspector_wins;
+        panels.inspector = covered || !panels.inspector;
+        panels.inspector_wins = panels.inspector;
         return;
+    }
     case Command::toggle_timeline:
         panels.timeline = !panels.timeline;
         return;
@@ -30,7 +36,7 @@ void Viewer::execute(Command command)
         requests_.quit = true;
         return;
     case Command::search:
-        panels.inspector = true;
+        panels.show_inspector();
         panels.focus_search = true;
         return;
     default:

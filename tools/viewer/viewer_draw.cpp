@@ -59,6 +59,9 @@ void Viewer::cull_panes(bool cull)
         } else { // paused: the same frame again, as it was
             session_->renderer().render(view, panes_[i]->culler()->drawn_items());
         }
+        if (i == 0) {
+            take_eye();
+        }
         if (i == 0 && std::exchange(pending_.check, false)) {
             check_exactness(stage, view);
         }
@@ -67,6 +70,15 @@ void Viewer::cull_panes(bool cull)
     if (state_.picture.difference && pictures_.compositor) {
         pictures_.compositor->compose(Compositor::Mode::difference, pictures_.finished[0],
                                       pictures_.finished[1], pictures_.difference);
+    }
+}
+
+void Viewer::take_eye()
+{
+    if (state_.camera.frozen && state_.picture.overlays.any_on_screen()) {
+        pictures_.eye.take(session_->renderer(), pictures_.size);
+    } else if (!pictures_.eye.empty()) {
+        pictures_.eye = Canvas{};
     }
 }
 
@@ -177,7 +189,7 @@ void Viewer::draw_overlays(size_t index, const View& view)
     for (const WorldLines& lines : overlays.lines) {
         stage.renderer.draw_lines(view, lines.points, lines.color, lines.on_top);
     }
-    if (index == 0 && !state_.camera.frozen) {
+    if (index == 0) {
         pictures_.marks = std::move(overlays.marks);
     }
     const auto draw_instance = [&](uint32_t instance, const glm::vec4& color) {
@@ -205,6 +217,30 @@ void Viewer::draw_overlays(size_t index, const View& view)
         stage.renderer.draw_lines(view, frustum_edges(culling_view(), reach), palette::kWhite.color,
                                   true);
     }
+}
+
+std::vector<LegendLine> Viewer::legend_lines() const
+{
+    if (!session_) {
+        return {};
+    }
+    std::vector<LegendLine> lines =
+        legend(state_.picture.fill, state_.picture.overlays, *panes_[0]);
+    const bool selected = state_.selection.instance.has_value();
+    if (state_.camera.frozen || selected) {
+        static_assert(palette::kSelected.color == palette::kWhite.color, "one line for both");
+        lines.push_back({palette::kWhite.color, !selected ? "lines: the frozen camera's frustum"
+                                                : !state_.camera.frozen
+                                                    ? "lines: the selected object"
+                                                    : "lines: the frozen frustum, the selection"});
+    }
+    if (state_.selection.coverage && !state_.selection.coverage->occluders.empty()) {
+        lines.push_back({palette::kOccluder.color, "lines: what hides it"});
+    }
+    if (state_.picture.difference) {
+        lines.push_back({palette::kOrange.color, "pixels in which the two images differ"});
+    }
+    return lines;
 }
 
 void Viewer::present(size_t index)

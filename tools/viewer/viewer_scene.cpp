@@ -47,7 +47,7 @@ void Viewer::select(std::optional<uint32_t> instance)
     if (instance) {
         const auto found = std::find(instance_of_.begin(), instance_of_.end(), *instance);
         state_.selection.item = ItemId{static_cast<size_t>(found - instance_of_.begin())};
-        state_.panels.inspector = true;
+        state_.panels.show_inspector();
     }
 }
 
@@ -110,7 +110,7 @@ void Viewer::find_occluders()
     const std::vector<uint32_t> alone = stage.renderer.render_ids(view, own);
     const std::vector<uint32_t> together = stage.renderer.render_ids(view, all);
     state_.selection.coverage = coverage(alone, together, instance_of_, instance);
-    state_.panels.inspector = true;
+    state_.panels.show_inspector();
 }
 
 void Viewer::move_selected(const glm::vec3& by)

@@ -1,6 +1,7 @@
 // The whole viewer without a window: panels, input and pictures.
 #ifdef OCCLUDE_HAS_VIEWER
 
+#include "support/source_dir.h"
 #include "tools/temp_folder.h"
 #include "viewer/ui/app.h"
 #include "viewer/ui/run_viewer.h"
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <thread>
@@ -32,7 +34,7 @@ protected:
         ASSERT_TRUE(window) << window.error().message;
         StageOptions options;
         options.frames = 40;
-        app_ = std::make_unique<App>(std::move(*window), options, Settings{}, 0.0f, true);
+        app_ = std::make_unique<App>(std::move(*window), options, Settings{}, 0.0f);
     }
     void TearDown() override
     {
@@ -120,15 +122,21 @@ void switch_something(Viewer& viewer, Rng& rng)
 
 TEST_F(InTheApp, ARandomWalkOverEverythingNeverFailsAndStaysExact)
 {
-    constexpr int kFrames = 400;
+    // A long walk by hand: OCCLUDE_WALK_FRAMES=2000 test_tools --gtest_filter='*ARandomWalk*'
+    const char* wanted = std::getenv("OCCLUDE_WALK_FRAMES");
+    const int kFrames = wanted != nullptr ? std::max(std::atoi(wanted), 100) : 400;
     constexpr uint64_t kSeed = 20;
     SCOPED_TRACE(testing::Message() << "seed " << kSeed);
     open(kScene);
+    screen_notes().reading = true; // the panels are made in every frame
     Rng rng{kSeed};
     Viewer& viewer = app_->viewer();
     std::set<std::string> seen;
     for (int i = 0; i < kFrames; ++i) {
         switch_something(viewer, rng);
+        if (i % 100 == 99) {
+            viewer.choose_device(viewer.session()->device_name() == "gl" ? "cpu_fast" : "gl");
+        }
         if (i % 50 == 0) {
             viewer.state().time.paused = false;
             viewer.state().picture.flare = false; // the tests of flares do not change the image
@@ -139,7 +147,9 @@ TEST_F(InTheApp, ARandomWalkOverEverythingNeverFailsAndStaysExact)
         seen.insert(viewer.pane(0).algorithm());
         ASSERT_EQ(app_->gl_errors(), 0u) << "frame " << i << ", " << viewer.pane(0).algorithm();
     }
-    EXPECT_GE(viewer.state().checked_frames, kFrames / 50u); // the walk may need more
+    screen_notes().reading = false;
+    // The walk may need more.
+    EXPECT_GE(viewer.state().checked_frames, static_cast<uint64_t>(kFrames) / 50);
     EXPECT_EQ(viewer.state().wrong_frames, 0u) << viewer.state().message;
     EXPECT_GE(seen.size(), 6u) << "the walk must meet many algorithms to prove anything";
 }
@@ -177,6 +187,140 @@ TEST_F(InTheApp, AKeyChangesThePictureInTheSameFrame)
         }
     }
     EXPECT_GT(changed, 100u);
+}
+
+TEST_F(InTheApp, AKeyChangesThePanelsWithinTwoFrames)
+{
+    open(kScene);
+    frames(5);
+    const Image before = app_->screenshot();
+    app_->window().feed({.kind = InputEvent::Kind::key, .code = 293, .down = true}); // F4
+    frames(2);
+    const Image after = app_->screenshot();
+    uint64_t changed = 0;
+    for (int y = 20; y < 140; ++y) { // rows from the bottom, where the time line is now
+        for (int x = 320; x < 780; ++x) {
+            const auto at = static_cast<size_t>(y) * 800 + static_cast<size_t>(x);
+            changed += before.pixels[at] != after.pixels[at] ? 1 : 0;
+        }
+    }
+    EXPECT_GT(changed, 10000u);
+}
+
+TEST_F(InTheApp, PanelsAreMadeSeldomWhileNothingHappensToThem)
+{
+    open(kScene);
+    frames(5);
+    const uint64_t made = app_->timing().panel_frames;
+    const uint64_t shown = app_->timing().frames;
+    frames(60); // one second of the tests' time
+    EXPECT_EQ(app_->timing().frames, shown + 60);
+    EXPECT_LE(app_->timing().panel_frames, made + 10);
+    app_->window().feed({.kind = InputEvent::Kind::move, .at = {100.0f, 100.0f}}); // on a panel
+    frames(1);
+    const uint64_t after_input = app_->timing().panel_frames;
+    app_->window().feed({.kind = InputEvent::Kind::move, .at = {100.0f, 120.0f}});
+    frames(1);
+    EXPECT_EQ(app_->timing().panel_frames, after_input + 1);
+}
+
+TEST_F(InTheApp, TheLegendStandsBelowThePictureAndFitsItsWidth)
+{
+    open(kScene);
+    frames(2);
+    const std::vector<LegendLine> lines =
+        legend(Fill::states, {.on = {true, true, true, true, true, true, true, true}},
+               app_->viewer().pane(0));
+    for (const ImVec2 window : {ImVec2{1280, 720}, ImVec2{900, 600}}) {
+        const Layout without = make_layout({}, window);
+        const Layout with = make_layout({}, window, lines);
+        EXPECT_GT(with.legend_height, 0.0f);
+        EXPECT_FLOAT_EQ(with.picture_max.y + with.legend_height, without.picture_max.y);
+        EXPECT_GE(with.picture_size().y, 0.5f * window.y);
+        for (const LegendLine& line : with.legend) {
+            EXPECT_LT(ImGui::CalcTextSize(line.text.c_str()).x, with.picture_size().x - 30.0f)
+                << line.text;
+        }
+    }
+}
+
+TEST_F(InTheApp, ANarrowWindowShowsThePanelThatWasAskedForLast)
+{
+    app_->window().feed({.kind = InputEvent::Kind::resize, .at = {900.0f, 600.0f}});
+    open(kScene);
+    frames(2);
+    PanelState& panels = app_->viewer().state().panels;
+    const auto shown = [&] { return make_layout(panels, {900.0f, 600.0f}); };
+    EXPECT_TRUE(panels.narrow);
+    EXPECT_TRUE(shown().controls && !shown().inspector);
+    app_->viewer().select(0u);
+    EXPECT_TRUE(shown().inspector && !shown().controls) << "why? must be seen";
+    press(291); // F2
+    EXPECT_TRUE(shown().controls && !shown().inspector);
+    press(292); // F3
+    EXPECT_TRUE(shown().inspector && !shown().controls);
+    press(292);
+    EXPECT_TRUE(shown().controls && !shown().inspector);
+}
+
+TEST_F(InTheApp, WhileFrozenAnInsetShowsWhatLiesOnTheCullingCamerasScreen)
+{
+    open(kScene);
+    Viewer& viewer = app_->viewer();
+    viewer.choose_algorithm(0, "lazy_grid");
+    OverlaySettings& overlays = viewer.state().picture.overlays;
+    overlays.on[static_cast<size_t>(Overlay::grid_cells)] = true;
+    frames(4);
+    EXPECT_TRUE(viewer.eye().empty()) << "the whole picture is the culling camera's";
+    press('F');
+    frames(2);
+    ASSERT_FALSE(viewer.eye().empty());
+    EXPECT_FALSE(viewer.marks().empty());
+    viewer.state().picture.fill = Fill::visible;
+    frames(2);
+    EXPECT_EQ(viewer.eye().read().pixels.size(), viewer.canvas(0).read().pixels.size());
+    const Image with = app_->screenshot();
+    overlays.on[static_cast<size_t>(Overlay::grid_cells)] = false;
+    frames(2);
+    EXPECT_TRUE(viewer.eye().empty());
+    EXPECT_NE(with.pixels, app_->screenshot().pixels);
+}
+
+TEST_F(InTheApp, EveryDeviceOfTheProgramCanBeChosenAndStaysExact)
+{
+    open(kScene);
+    Viewer& viewer = app_->viewer();
+    viewer.choose_test("raster");
+    uint64_t checked = 0;
+    for (const char* device : {"cpu_fast", "cpu", "gl"}) {
+        viewer.choose_device(device);
+        frames(3);
+        EXPECT_EQ(viewer.session()->device_name(), device);
+        EXPECT_FALSE(viewer.state().message_is_error) << viewer.state().message;
+        viewer.execute(Command::check_exactness);
+        frames(1);
+        EXPECT_EQ(viewer.state().checked_frames, ++checked) << device;
+        EXPECT_EQ(viewer.state().wrong_frames, 0u) << device;
+    }
+}
+
+TEST_F(InTheApp, LoadingTellsWhatItDoesAndTheShareThatIsDone)
+{
+    Viewer& viewer = app_->viewer();
+    viewer.open(source_dir() + "/assets/castle/castle.glb");
+    std::set<std::string> phases;
+    double largest = -1.0;
+    while (viewer.loader().loading()) {
+        phases.insert(viewer.loader().phase());
+        const double share = viewer.loader().share();
+        if (share >= 0.0) {
+            EXPECT_LE(share, 1.0);
+            largest = std::max(largest, share);
+        }
+        frames(1);
+    }
+    EXPECT_GT(largest, 0.0) << "a glTF file tells how much of it is read";
+    EXPECT_EQ(phases.count("reading"), 1u);
 }
 
 TEST_F(InTheApp, TwoExactAlgorithmsDifferNowhere)

@@ -16,10 +16,28 @@
 
 namespace occlude::tools::viewer {
 
-App::App(std::unique_ptr<Window> window, StageOptions options, Settings settings, float scale,
-         bool always_panels)
+namespace {
+
+// ImGui shows some changes, an opened list for one, a frame after the input.
+constexpr int kFramesAfterInput = 2;
+
+// Cuts a list of panels down to what lies over a rectangle; false if that is nothing.
+bool clip_to(ImDrawList& list, ImVec2 low, ImVec2 high)
+{
+    bool any = false;
+    for (ImDrawCmd& command : list.CmdBuffer) {
+        ImVec4& clip = command.ClipRect;
+        clip = {std::max(clip.x, low.x), std::max(clip.y, low.y), std::min(clip.z, high.x),
+                std::min(clip.w, high.y)};
+        any = any || (clip.z > clip.x && clip.w > clip.y && command.ElemCount > 0);
+    }
+    return any;
+}
+
+} // namespace
+
+App::App(std::unique_ptr<Window> window, StageOptions options, Settings settings, float scale)
     : window_(std::move(window))
-    , always_panels_(always_panels)
 {
     const float wanted = scale > 0.0f            ? scale
                          : settings.scale > 0.0f ? settings.scale
@@ -34,6 +52,7 @@ App::App(std::unique_ptr<Window> window, StageOptions options, Settings settings
 App::~App()
 {
     window_->context()->make_current();
+    picture_list_.reset();
     viewer_.reset();
     ImGui_ImplOpenGL3_Shutdown();
 }
@@ -105,10 +124,20 @@ void App::handle_move(glm::vec2 at)
     }
 }
 
+// Everything but a mouse that moves over the picture alone.
+bool App::concerns_panels(const InputEvent& event) const
+{
+    const auto over_picture = [&](glm::vec2 at) { return layout_.in_picture({at.x, at.y}); };
+    return event.kind != InputEvent::Kind::move || ImGui::GetIO().WantCaptureMouse ||
+           (drag_ == Drag::none && !(over_picture(event.at) && over_picture(mouse_)));
+}
+
 void App::handle(const InputEvent& event)
 {
     constexpr float kFasterPerNotch = 1.15f;
-    input_came_ = true;
+    if (concerns_panels(event)) {
+        panel_clock_.frames_due = kFramesAfterInput;
+    }
     switch (event.kind) {
     case InputEvent::Kind::key:
         handle_key(event);
@@ -162,40 +191,99 @@ glm::ivec2 App::picture_pixels() const
             std::max(static_cast<int>(size.y * ratio), 1)};
 }
 
-// The panels in front of the picture. Where nothing happened to them they stay as they are on the
-// screen, and only the background, which has the picture, is drawn.
-void App::draw_ui(double seconds)
+// Panels keep their pixels on the screen until something happens to them, or until making them
+// again takes at most kShareOfTime of the time.
+bool App::panels_need_renewal(double seconds)
 {
-    constexpr double kOldestPanels = 0.1; // seconds
-    const ViewerState& state = viewer_->state();
-    panels_age_s_ += seconds;
-    // Windows, lists and hints that lie over the picture would vanish under it.
-    const bool covered = state.panels.help || ImGui::GetIO().WantCaptureMouse;
-    const bool moves = covered || drag_ != Drag::none || viewer_->loader().loading() ||
-                       state.picture.flare || !viewer_->marks().empty();
-    const bool renew = always_panels_ || input_came_ || moves || panels_age_s_ > kOldestPanels;
-    const glm::ivec2 pixels = window_->pixels();
-    if (renew) {
-        input_came_ = false;
-        screen_notes().clear();
-        window_->begin_ui_frame(panels_age_s_);
-        panels_age_s_ = 0.0;
-        ImGui_ImplOpenGL3_NewFrame();
-        ImGui::NewFrame();
-        show_panels(*viewer_, layout_);
-        ImGui::Render();
+    constexpr double kShareOfTime = 0.03;
+    constexpr double kLeastAge = 0.1; // seconds
+    constexpr double kMostAge = 1.0;
+    PanelClock& clock = panel_clock_;
+    clock.age_s += seconds;
+    const glm::vec2 picture_min{layout_.picture_min.x, layout_.picture_min.y};
+    const glm::vec2 picture_max{layout_.picture_max.x, layout_.picture_max.y};
+    const bool moved = window_->pixels() != clock.screen || picture_min != clock.picture_min ||
+                       picture_max != clock.picture_max;
+    const bool old = clock.age_s >= std::clamp(clock.cost_s / kShareOfTime, kLeastAge, kMostAge);
+    if (!moved && !old && clock.frames_due == 0 && !screen_notes().reading) {
+        return false;
     }
-    screen_.bind(pixels);
-    ImDrawData data = *ImGui::GetDrawData();
-    if (renew) {
-        glDisable(GL_SCISSOR_TEST);
-        glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-        glClearColor(0.06f, 0.07f, 0.08f, 1.0f);
-        glClear(GL_COLOR_BUFFER_BIT);
-    } else {
-        data.CmdListsCount = std::min(data.CmdListsCount, 1);
+    clock.frames_due = std::max(clock.frames_due - 1, 0);
+    clock.screen = window_->pixels();
+    clock.picture_min = picture_min;
+    clock.picture_max = picture_max;
+    return true;
+}
+
+void App::render(std::span<ImDrawList*> lists)
+{
+    ImDrawData data;
+    data.Valid = true;
+    data.CmdLists = lists.data();
+    data.CmdListsCount = static_cast<int>(lists.size());
+    for (const ImDrawList* list : lists) {
+        data.TotalIdxCount += list->IdxBuffer.Size;
+        data.TotalVtxCount += list->VtxBuffer.Size;
     }
+    data.DisplaySize = ImGui::GetIO().DisplaySize;
+    data.FramebufferScale = ImGui::GetIO().DisplayFramebufferScale;
     ImGui_ImplOpenGL3_RenderDrawData(&data);
+}
+
+void App::make_panels()
+{
+    window_->begin_ui_frame(panel_clock_.age_s);
+    panel_clock_.age_s = 0.0;
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui::NewFrame();
+    show_panels(*viewer_, layout_);
+    ImGui::Render();
+}
+
+// The place of the picture while there is no scene.
+void App::clear_picture() const
+{
+    const float ratio = static_cast<float>(screen_.size().x) / std::max(layout_.window.x, 1.0f);
+    const auto pixel = [&](float at) { return static_cast<int>(at * ratio); };
+    const ImVec2 size = layout_.picture_size();
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(pixel(layout_.picture_min.x), screen_.size().y - pixel(layout_.picture_max.y),
+              pixel(size.x) + 1, pixel(size.y) + 1);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glClearColor(0.06f, 0.07f, 0.08f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glDisable(GL_SCISSOR_TEST);
+}
+
+// What is written over the picture, then the panels: all of them if they were made again, otherwise
+// the windows, lists and hints that reach over the picture.
+void App::draw_panels(bool renewed)
+{
+    if (!picture_list_) {
+        picture_list_ = std::make_unique<ImDrawList>(ImGui::GetDrawListSharedData());
+    }
+    picture_list_->_ResetForNewFrame();
+    picture_list_->PushTextureID(ImGui::GetIO().Fonts->TexID);
+    picture_list_->PushClipRectFullScreen();
+    picture_layer(*viewer_, layout_, *picture_list_);
+    std::vector<ImDrawList*> lists{picture_list_.get()};
+    if (renewed) {
+        const ImDrawData& panels = *ImGui::GetDrawData();
+        lists.insert(lists.end(), panels.CmdLists, panels.CmdLists + panels.CmdListsCount);
+    } else {
+        lists.insert(lists.end(), lists_over_picture_.begin(), lists_over_picture_.end());
+    }
+    screen_.bind(window_->pixels());
+    render(lists);
+    if (renewed) {
+        lists_over_picture_.clear();
+        std::copy_if(lists.begin() + 1, lists.end(), std::back_inserter(lists_over_picture_),
+                     [&](ImDrawList* list) {
+                         const ImVec2 high{layout_.picture_max.x,
+                                           layout_.picture_max.y + layout_.legend_height};
+                         return clip_to(*list, layout_.picture_min, high);
+                     });
+    }
 }
 
 void App::write_screenshot()
@@ -217,24 +305,42 @@ void App::frame(double seconds)
         handle(event);
     }
     layout_ = make_layout(viewer_->state().panels,
-                          {static_cast<float>(size.x), static_cast<float>(size.y)});
+                          {static_cast<float>(size.x), static_cast<float>(size.y)},
+                          viewer_->legend_lines());
+    viewer_->state().panels.narrow = layout_.narrow;
     viewer_->advance(seconds, fly_input());
     viewer_->draw(picture_pixels());
     window_->context()->make_current();
+    screen_.bind(window_->pixels());
+    if (viewer_->session() != nullptr) {
+        copy_pictures(*viewer_, layout_, screen_);
+    } else {
+        clear_picture();
+    }
     glFinish(); // what the frame took is not the panels' fault
     const double drawn = clock();
-    draw_ui(seconds);
+    screen_notes().clear();
+    const bool renewed = panels_need_renewal(seconds);
+    if (renewed) {
+        make_panels();
+    }
+    draw_panels(renewed);
     while (glGetError() != GL_NO_ERROR) {
         ++gl_errors_;
     }
     glFinish();
-    timing_.panels_s += clock() - drawn;
+    const double panels_s = clock() - drawn;
+    panel_clock_.cost_s = renewed ? panels_s : panel_clock_.cost_s;
     if (viewer_->requests().screenshot) {
         write_screenshot();
     }
     window_->present(screen_);
-    timing_.frames_s += clock() - start;
-    ++timing_.frames;
+    if (viewer_->session() != nullptr && !viewer_->loader().loading()) {
+        timing_.frames_s += clock() - start;
+        timing_.panels_s += panels_s;
+        timing_.panel_frames += renewed ? 1 : 0;
+        ++timing_.frames;
+    }
 }
 
 } // namespace occlude::tools::viewer

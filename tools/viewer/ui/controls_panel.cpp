@@ -147,9 +147,13 @@ void hierarchy_section(Viewer& viewer)
 void device_section(Viewer& viewer)
 {
     Session& session = *viewer.session();
-    static constexpr std::array<const char*, 2> kDevices = {"gl", "cpu"};
+    static constexpr std::array<const char*, 3> kDevices = {"gl", "cpu", "cpu_fast"};
+    static const std::array<std::string, 3> kMeanings = {
+        "OpenGL draws and tests.", "The CPU draws and tests: exact, and slow.",
+        "OpenGL draws; the CPU tests boxes against occluders that it rasterises."};
     std::string chosen;
-    if (combo("device", session.device_name(), kDevices.data(), kDevices.size(), chosen)) {
+    if (combo("device", session.device_name(), kDevices.data(), kDevices.size(), chosen,
+              kMeanings.data())) {
         viewer.choose_device(chosen);
         return;
     }
@@ -165,6 +169,17 @@ void device_section(Viewer& viewer)
     hint("How boxes are tested: hardware occlusion queries, boxes rasterised into flags, or depth "
          "read back and compared on the CPU.");
 }
+
+// In the order of Overlay.
+constexpr std::array<const char*, kOverlayCount> kOverlayHints = {
+    "The node of every decision, in its colour.",
+    "Every box that was tested, by what the test found.",
+    "The boxes that are tested where an item's own is too large.",
+    "The boxes of one level of the hierarchy.",
+    "The boxes that shared one test, in one colour.",
+    "What lazy_grid knows of each cell of the screen.",
+    "The rectangles of pixels whose depth was read back.",
+    "The farthest depth of each square of pixels: dark is near."};
 
 void picture_section(Viewer& viewer)
 {
@@ -187,14 +202,19 @@ void picture_section(Viewer& viewer)
     if (checkbox("flare", &flare)) {
         viewer.execute(Command::toggle_flare);
     }
+    const float column = 0.5f * ImGui::GetContentRegionAvail().x;
     for (size_t i = 0; i < kOverlayCount; ++i) {
+        if (i % 2 == 1) {
+            ImGui::SameLine(column);
+        }
         checkbox(kOverlayNames[i].data(), &picture.overlays.on[i]);
-        if (i == static_cast<size_t>(Overlay::levels) && picture.overlays.on[i]) {
-            slider("level", &picture.overlays.level, 0, 24);
-        }
-        if (i == static_cast<size_t>(Overlay::pyramid) && picture.overlays.on[i]) {
-            slider("texel (2^n pixels)", &picture.overlays.pyramid_level, 3, 8);
-        }
+        hint(kOverlayHints[i]);
+    }
+    if (picture.overlays.has(Overlay::levels)) {
+        slider("tree level##slider", &picture.overlays.level, 0, 24);
+    }
+    if (picture.overlays.has(Overlay::pyramid)) {
+        slider("texel: 2^n pixels", &picture.overlays.pyramid_level, 3, 8);
     }
 }
 

@@ -168,12 +168,16 @@ void show_recent(const ItemExplanation& why)
 void show_chain(const ItemExplanation& why)
 {
     text("Chain of nodes, from the root:");
+    bool decided = false;
     for (const ChainLink& link : why.chain) {
         const Decision decision = link.decision.value_or(Decision::undecided);
+        const std::string_view meaning = link.decision ? state_color(decision).meaning
+                                         : decided     ? "decided with the node above"
+                                                       : "open: its parts decide";
+        decided = decided || link.decision;
         swatch(state_color(decision).color.color,
-               fmt::format("node {}: {} items, {} triangles, {}", link.node.value,
-                           grouped(link.items), grouped(link.triangles),
-                           link.decision ? std::string{to_string(decision)} : "passed"));
+               fmt::format("node {}, {} items, {} triangles; {}", link.node.value,
+                           grouped(link.items), grouped(link.triangles), meaning));
     }
 }
 
@@ -187,7 +191,9 @@ void show_coverage(Viewer& viewer)
         return;
     }
     if (coverage->pixels == 0) {
-        wrapped("It has no pixel in the culling camera's picture: it is outside, or too small.");
+        wrapped("Drawn alone, it has no pixel in the culling camera's picture: it is outside the "
+                "frustum, or "
+                "too small. No object hides it; its box is hidden.");
         return;
     }
     wrapped(fmt::format("Of its {} pixels {} can be seen.", grouped(coverage->pixels),

@@ -7,7 +7,21 @@
 
 namespace occlude::tools::viewer {
 
-Layout make_layout(const PanelState& panels, ImVec2 window)
+// A legend that would take too much of the picture is cut, and says so.
+static std::vector<LegendLine> legend_that_fits(std::vector<LegendLine> lines, ImVec2 place)
+{
+    constexpr float kMostOfHeight = 0.4f;
+    const LegendLine rest{{0.0f, 0.0f, 0.0f, 0.0f}, "... the rest needs a larger window"};
+    bool cut = false;
+    while (lines.size() > 1 && legend_height(lines, place.x) > kMostOfHeight * place.y) {
+        lines.resize(lines.size() - (cut ? 2 : 1));
+        lines.push_back(rest);
+        cut = true;
+    }
+    return lines;
+}
+
+Layout make_layout(const PanelState& panels, ImVec2 window, std::vector<LegendLine> legend)
 {
     constexpr float kControls = 300.0f;
     constexpr float kInspector = 340.0f;
@@ -18,8 +32,10 @@ Layout make_layout(const PanelState& panels, ImVec2 window)
     layout.controls = panels.controls;
     layout.inspector = panels.inspector;
     const float both = scaled(kControls + kInspector + kNarrowestPicture);
-    if (layout.controls && layout.inspector && window.x < both) {
-        layout.inspector = false; // F2 makes room for it
+    layout.narrow = window.x < both;
+    if (layout.controls && layout.inspector && layout.narrow) {
+        layout.controls = !panels.inspector_wins;
+        layout.inspector = panels.inspector_wins;
     }
     layout.controls_width = layout.controls ? scaled(kControls) : 0.0f;
     layout.inspector_width = layout.inspector ? scaled(kInspector) : 0.0f;
@@ -28,6 +44,9 @@ Layout make_layout(const PanelState& panels, ImVec2 window)
     layout.picture_min = {layout.controls_width, 0.0f};
     layout.picture_max = {std::max(window.x - layout.inspector_width, layout.picture_min.x + 1.0f),
                           std::max(window.y - layout.timeline_height, 1.0f)};
+    layout.legend = legend_that_fits(std::move(legend), layout.picture_size());
+    layout.legend_height = legend_height(layout.legend, layout.picture_size().x);
+    layout.picture_max.y = std::max(layout.picture_max.y - layout.legend_height, 1.0f);
     return layout;
 }
 
@@ -71,17 +90,22 @@ void loading_window(Viewer& viewer, const Layout& layout)
                            true};
     const Loader& loader = viewer.loader();
     wrapped(loader.scene());
-    text(fmt::format("{}: {:.0f} s", loader.phase(), loader.seconds()));
-    // Nobody knows how much is left: the bar only shows that the program lives.
+    const double share = loader.share();
+    const bool known = std::isfinite(share);
+    text(known
+             ? fmt::format("{}: {:.0f}%, {:.0f} s", loader.phase(), 100.0 * share, loader.seconds())
+             : fmt::format("{}: {:.0f} s", loader.phase(), loader.seconds()));
+    // Where nobody knows how much is left, a running mark shows that the program lives.
     const auto turn = static_cast<float>(loader.seconds() - std::floor(loader.seconds()));
+    const float from = known ? 0.0f : 0.8f * turn;
+    const float to = known ? static_cast<float>(share) : 0.8f * turn + 0.2f;
     const float width = ImGui::GetContentRegionAvail().x - scaled(80.0f);
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::GetWindowDrawList()->AddRectFilled(at, {at.x + width, at.y + scaled(18.0f)},
                                               ImGui::GetColorU32(ImGuiCol_FrameBg));
-    ImGui::GetWindowDrawList()->AddRectFilled(
-        {at.x + 0.8f * turn * width, at.y},
-        {at.x + (0.8f * turn + 0.2f) * width, at.y + scaled(18.0f)},
-        ImGui::GetColorU32(ImGuiCol_PlotHistogram));
+    ImGui::GetWindowDrawList()->AddRectFilled({at.x + from * width, at.y},
+                                              {at.x + to * width, at.y + scaled(18.0f)},
+                                              ImGui::GetColorU32(ImGuiCol_PlotHistogram));
     ImGui::Dummy({width, scaled(18.0f)});
     ImGui::SameLine();
     if (button("Cancel")) {
@@ -92,7 +116,6 @@ void loading_window(Viewer& viewer, const Layout& layout)
 
 void show_panels(Viewer& viewer, const Layout& layout)
 {
-    picture_layer(viewer, layout);
     if (layout.controls) {
         controls_panel(viewer, layout);
     }

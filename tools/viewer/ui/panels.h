@@ -14,9 +14,12 @@ struct Layout {
     bool controls = false;
     bool inspector = false;
     bool timeline = false;
+    bool narrow = false; ///< no room for both controls and inspector
     float controls_width = 0.0f;
     float inspector_width = 0.0f;
     float timeline_height = 0.0f;
+    float legend_height = 0.0f; ///< of the strip below the picture
+    std::vector<LegendLine> legend = {};
 
     ImVec2 picture_size() const
     {
@@ -29,9 +32,12 @@ struct Layout {
     }
 };
 
-/// Where everything goes: a window that is too narrow for both side panels has the inspector in the
-/// place of the controls.
-Layout make_layout(const PanelState& panels, ImVec2 window);
+/// Where everything goes: a window that is too narrow for both side panels has the one that was
+/// asked for last. The legend goes below the picture.
+Layout make_layout(const PanelState& panels, ImVec2 window, std::vector<LegendLine> legend = {});
+
+/// How high a strip of this width must be to hold a legend.
+float legend_height(std::span<const LegendLine> lines, float width);
 
 /// All panels, in one ImGui frame.
 void show_panels(Viewer& viewer, const Layout& layout);
@@ -41,8 +47,10 @@ void inspector_panel(Viewer& viewer, const Layout& layout);
 void timeline_panel(Viewer& viewer, const Layout& layout);
 void help_window(Viewer& viewer, const Layout& layout);
 void loading_window(Viewer& viewer, const Layout& layout);
-/// The picture itself with its legend, the divider and messages: on the background.
-void picture_layer(Viewer& viewer, const Layout& layout);
+/// Copies the finished pictures to their places on the screen.
+void copy_pictures(const Viewer& viewer, const Layout& layout, const Canvas& screen);
+/// What is written over the picture, and its legend: divider, marks, captions, messages.
+void picture_layer(Viewer& viewer, const Layout& layout, ImDrawList& list);
 
 /// Parts of the inspector.
 void figures_tab(Viewer& viewer);

@@ -1,18 +1,14 @@
-// The picture in the middle of the window, and what is written over it.
+// The picture in the middle of the window, what is written over it, and the legend below it.
 #include "viewer/ui/panels.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace occlude::tools::viewer {
 
 namespace {
-
-ImTextureID texture_of(const Canvas& canvas)
-{
-    return reinterpret_cast<ImTextureID>(static_cast<intptr_t>(canvas.texture()));
-}
 
 // Text with a shadow, so that it is read on any picture; noted for scripts.
 void label(ImDrawList& list, ImVec2 at, const std::string& line)
@@ -24,52 +20,64 @@ void label(ImDrawList& list, ImVec2 at, const std::string& line)
     }
 }
 
-// A dark box with lines in it, each with a swatch if it has a colour; `at` is its upper left.
-void box_of_lines(ImDrawList& list, ImVec2 at, std::span<const LegendLine> lines)
+// A part of the picture's place: from and to, 0 to 1 from the upper left.
+struct Place {
+    ImVec2 min;
+    ImVec2 max;
+};
+
+PixelRect framebuffer_rect(const Place& place, float ratio, glm::ivec2 screen)
 {
-    const float height = ImGui::GetFontSize() + scaled(3.0f);
-    const float side = ImGui::GetFontSize() - scaled(3.0f);
-    float width = 0.0f;
-    for (const LegendLine& line : lines) {
-        width = std::max(width, ImGui::CalcTextSize(line.text.c_str()).x);
-    }
-    const float pad = scaled(6.0f);
-    list.AddRectFilled(at,
-                       {at.x + width + side + 3.0f * pad,
-                        at.y + height * static_cast<float>(lines.size()) + 2.0f * pad},
-                       IM_COL32(15, 17, 20, 210), scaled(4.0f));
-    float y = at.y + pad;
-    for (const LegendLine& line : lines) {
-        list.AddRectFilled({at.x + pad, y + scaled(2.0f)},
-                           {at.x + pad + side, y + scaled(2.0f) + side}, to_u32(line.color),
-                           scaled(2.0f));
-        label(list, {at.x + 2.0f * pad + side, y}, line.text);
-        y += height;
-    }
+    const auto pixel = [&](float at) { return static_cast<int>(std::lround(at * ratio)); };
+    const int left = pixel(place.min.x);
+    const int top = pixel(place.min.y);
+    return {left, screen.y - pixel(place.max.y), pixel(place.max.x) - left,
+            pixel(place.max.y) - top};
 }
 
-void image(ImDrawList& list, const Canvas& canvas, const Layout& layout, float from, float to)
+// Copies the columns from `from` to `to` (0 to 1) of a picture to where they belong.
+void copy_columns(const Canvas& canvas, const Canvas& screen, const Layout& layout, float ratio,
+                  float from, float to)
 {
-    if (canvas.empty()) {
-        return;
-    }
-    const float width = layout.picture_size().x;
-    list.AddImage(texture_of(canvas), {layout.picture_min.x + from * width, layout.picture_min.y},
-                  {layout.picture_min.x + to * width, layout.picture_max.y}, {from, 1.0f},
-                  {to, 0.0f});
+    const glm::ivec2 size = canvas.size();
+    PixelRect target =
+        framebuffer_rect({layout.picture_min, layout.picture_max}, ratio, screen.size());
+    const auto column = [&](float share) {
+        return static_cast<int>(std::lround(share * static_cast<float>(size.x)));
+    };
+    const PixelRect source{column(from), 0, column(to) - column(from), size.y};
+    // The picture has as many pixels as its place, but for one that may be lost by rounding.
+    target.width = target.width == size.x || from > 0.0f || to < 1.0f ? source.width : target.width;
+    target.x += source.x;
+    canvas.copy_part(source, screen, target);
 }
 
-void marks(ImDrawList& list, const Viewer& viewer, const Layout& layout)
+// Where the picture of the culling camera stands while the observer's fills the place.
+Place inset_place(const Layout& layout)
+{
+    constexpr float kShare = 0.36f;
+    const ImVec2 size = layout.picture_size();
+    const float right = layout.picture_max.x - scaled(8.0f);
+    const float top = layout.picture_min.y + scaled(8.0f) + 3.0f * ImGui::GetFontSize();
+    return {{right - kShare * size.x, top}, {right, top + kShare * size.y}};
+}
+
+bool has_inset(const Viewer& viewer)
+{
+    return !viewer.eye().empty();
+}
+
+void marks(ImDrawList& list, const Viewer& viewer, const Place& place)
 {
     const glm::ivec2 size = viewer.canvas(0).size();
     if (size.x == 0) {
         return;
     }
-    const ImVec2 scale{layout.picture_size().x / static_cast<float>(size.x),
-                       layout.picture_size().y / static_cast<float>(size.y)};
+    const ImVec2 scale{(place.max.x - place.min.x) / static_cast<float>(size.x),
+                       (place.max.y - place.min.y) / static_cast<float>(size.y)};
     for (const ScreenMark& mark : viewer.marks()) {
-        const ImVec2 low{layout.picture_min.x + scale.x * static_cast<float>(mark.rect.x),
-                         layout.picture_max.y -
+        const ImVec2 low{place.min.x + scale.x * static_cast<float>(mark.rect.x),
+                         place.max.y -
                              scale.y * static_cast<float>(mark.rect.y + mark.rect.height)};
         const ImVec2 high{low.x + scale.x * static_cast<float>(mark.rect.width),
                           low.y + scale.y * static_cast<float>(mark.rect.height)};
@@ -78,6 +86,27 @@ void marks(ImDrawList& list, const Viewer& viewer, const Layout& layout)
         } else {
             list.AddRect(low, {high.x - 1.0f, high.y - 1.0f}, to_u32(mark.color));
         }
+    }
+}
+
+// Overlays that lie on the screen of the culling camera: over its picture, wherever that is.
+void screen_overlays(ImDrawList& list, const Viewer& viewer, const Layout& layout)
+{
+    const PictureState& picture = viewer.state().picture;
+    if (has_inset(viewer)) {
+        const Place inset = inset_place(layout);
+        marks(list, viewer, inset);
+        list.AddRect({inset.min.x - 1.0f, inset.min.y - 1.0f},
+                     {inset.max.x + 1.0f, inset.max.y + 1.0f}, IM_COL32_WHITE);
+        label(list, {inset.min.x + scaled(4.0f), inset.min.y + scaled(2.0f)},
+              "what the culling camera sees");
+    } else if (!viewer.state().camera.frozen && !picture.difference) {
+        Place shown{layout.picture_min, layout.picture_max};
+        const float divider = picture.split ? picture.divider : 1.0f;
+        list.PushClipRect(shown.min, {shown.min.x + divider * layout.picture_size().x, shown.max.y},
+                          true);
+        marks(list, viewer, shown);
+        list.PopClipRect();
     }
 }
 
@@ -119,7 +148,6 @@ std::string caption(Viewer& viewer, size_t index)
 
 void captions(ImDrawList& list, Viewer& viewer, const Layout& layout)
 {
-    const PictureState& picture = viewer.state().picture;
     const float pad = scaled(8.0f);
     label(list, {layout.picture_min.x + pad, layout.picture_min.y + pad}, caption(viewer, 0));
     if (viewer.pane_count() > 1) {
@@ -139,7 +167,6 @@ void captions(ImDrawList& list, Viewer& viewer, const Layout& layout)
     add(viewer.state().time.paused, "paused");
     add(viewer.state().camera.playing, "playing the path");
     add(viewer.state().camera.recording, "recording the path");
-    add(picture.difference, "orange: the two images differ");
     if (!status.empty()) {
         label(
             list,
@@ -155,8 +182,10 @@ void message(ImDrawList& list, const Viewer& viewer, const Layout& layout)
     const ViewerState& state = viewer.state();
     const bool shown =
         !state.message.empty() && (state.message_is_error || state.message_age_s < kShownSeconds);
-    const std::string line =
-        shown ? state.message : "drag: look   WASD: fly   click: why?   F: freeze   F1: keys";
+    const std::string line = shown ? state.message
+                             : layout.narrow
+                                 ? "click: why?   F: freeze   F1: keys   F2, F3: panels"
+                                 : "drag: look   WASD: fly   click: why?   F: freeze   F1: keys";
     const float pad = scaled(8.0f);
     const float width = std::max(layout.picture_size().x - 4.0f * pad, 1.0f);
     const ImVec2 size = ImGui::CalcTextSize(line.c_str(), nullptr, false, width);
@@ -174,37 +203,114 @@ void message(ImDrawList& list, const Viewer& viewer, const Layout& layout)
 
 } // namespace
 
-void picture_layer(Viewer& viewer, const Layout& layout)
+namespace {
+
+struct LegendFlow {
+    float row_height = 0.0f;
+    float height = 0.0f; ///< of all rows
+};
+
+// Calls `place` with each line and its upper left, row by row, from (0, 0).
+template <class Function>
+LegendFlow flow_legend(std::span<const LegendLine> lines, float width, const Function& place)
 {
-    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const float swatch_width = ImGui::GetFontSize() + scaled(4.0f);
+    const float gap = scaled(14.0f);
+    LegendFlow flow{.row_height = ImGui::GetFontSize() + scaled(4.0f)};
+    ImVec2 at{0.0f, 0.0f};
+    for (const LegendLine& line : lines) {
+        const float needed = swatch_width + ImGui::CalcTextSize(line.text.c_str()).x;
+        if (at.x > 0.0f && at.x + needed > width) {
+            at = {0.0f, at.y + flow.row_height};
+        }
+        place(line, at);
+        at.x += needed + gap;
+    }
+    flow.height = lines.empty() ? 0.0f : at.y + flow.row_height;
+    return flow;
+}
+
+float legend_pad()
+{
+    return scaled(6.0f);
+}
+
+// Below the picture, so that it covers nothing of it.
+void legend_strip(ImDrawList& list, const Layout& layout)
+{
+    const ImVec2 low{layout.picture_min.x, layout.picture_max.y};
+    const ImVec2 high{layout.picture_max.x, layout.picture_max.y + layout.legend_height};
+    const float pad = legend_pad();
+    const float side = ImGui::GetFontSize() - scaled(2.0f);
+    list.AddRectFilled(low, high, ImGui::GetColorU32(ImGuiCol_WindowBg));
+    list.PushClipRect(low, high, true);
+    flow_legend(layout.legend, high.x - low.x - 2.0f * pad,
+                [&](const LegendLine& line, ImVec2 offset) {
+                    const ImVec2 at{low.x + pad + offset.x, low.y + pad + offset.y};
+                    list.AddRectFilled({at.x, at.y + scaled(1.0f)},
+                                       {at.x + side, at.y + scaled(1.0f) + side},
+                                       to_u32(line.color), scaled(2.0f));
+                    list.AddText({at.x + ImGui::GetFontSize() + scaled(4.0f), at.y}, IM_COL32_WHITE,
+                                 line.text.c_str());
+                    if (screen_notes().reading) {
+                        screen_notes().text += line.text + "\n";
+                    }
+                });
+    list.PopClipRect();
+}
+
+} // namespace
+
+float legend_height(std::span<const LegendLine> lines, float width)
+{
+    if (lines.empty()) {
+        return 0.0f;
+    }
+    const float pad = legend_pad();
+    return flow_legend(lines, width - 2.0f * pad, [](const LegendLine&, ImVec2) {}).height +
+           2.0f * pad;
+}
+
+void copy_pictures(const Viewer& viewer, const Layout& layout, const Canvas& screen)
+{
+    if (layout.window.x < 1.0f) {
+        return;
+    }
+    const float ratio = static_cast<float>(screen.size().x) / layout.window.x;
+    const PictureState& picture = viewer.state().picture;
+    if (picture.difference) {
+        copy_columns(viewer.difference(), screen, layout, ratio, 0.0f, 1.0f);
+    } else if (picture.split) {
+        copy_columns(viewer.canvas(0), screen, layout, ratio, 0.0f, picture.divider);
+        copy_columns(viewer.canvas(1), screen, layout, ratio, picture.divider, 1.0f);
+    } else {
+        copy_columns(viewer.canvas(0), screen, layout, ratio, 0.0f, 1.0f);
+    }
+    if (has_inset(viewer)) {
+        const glm::ivec2 size = viewer.eye().size();
+        viewer.eye().copy_part({0, 0, size.x, size.y}, screen,
+                               framebuffer_rect(inset_place(layout), ratio, screen.size()));
+    }
+}
+
+void picture_layer(Viewer& viewer, const Layout& layout, ImDrawList& list)
+{
+    if (layout.legend_height > 0.0f) {
+        legend_strip(list, layout);
+    }
     list.PushClipRect(layout.picture_min, layout.picture_max);
     const PictureState& picture = viewer.state().picture;
     if (viewer.session() != nullptr) {
-        if (picture.difference) {
-            image(list, viewer.difference(), layout, 0.0f, 1.0f);
-        } else if (picture.split) {
-            image(list, viewer.canvas(0), layout, 0.0f, picture.divider);
-            image(list, viewer.canvas(1), layout, picture.divider, 1.0f);
+        if (picture.split && !picture.difference) {
             const float x = layout.picture_min.x + picture.divider * layout.picture_size().x;
             list.AddLine({x, layout.picture_min.y}, {x, layout.picture_max.y},
                          IM_COL32(255, 255, 255, 255), scaled(2.0f));
             const float y = 0.5f * (layout.picture_min.y + layout.picture_max.y);
             list.AddCircleFilled({x, y}, scaled(7.0f), IM_COL32(255, 255, 255, 255));
-        } else {
-            image(list, viewer.canvas(0), layout, 0.0f, 1.0f);
         }
-        marks(list, viewer, layout);
+        screen_overlays(list, viewer, layout);
         flare(list, viewer, layout);
         captions(list, viewer, layout);
-        const std::vector<LegendLine> lines =
-            legend(picture.fill, picture.overlays, viewer.pane(0));
-        if (!lines.empty()) {
-            const float pad = scaled(8.0f);
-            box_of_lines(list,
-                         {layout.picture_min.x + pad,
-                          layout.picture_min.y + pad + 3.0f * ImGui::GetFontSize()},
-                         lines);
-        }
     }
     message(list, viewer, layout);
     list.PopClipRect();

@@ -50,10 +50,10 @@ void report_timing(const App& app, std::ostream& out)
         return;
     }
     const auto count = static_cast<double>(timing.frames);
-    out << fmt::format("{} frames, {:.2f} ms each; panels {:.2f} ms, {:.1f}%\n", timing.frames,
-                       kMsPerSecond * timing.frames_s / count,
-                       kMsPerSecond * timing.panels_s / count,
-                       100.0 * timing.panels_s / std::max(timing.frames_s, 1e-9));
+    out << fmt::format(
+        "{} frames, {:.2f} ms each; panels {:.2f} ms, {:.1f}%, made {} times\n", timing.frames,
+        kMsPerSecond * timing.frames_s / count, kMsPerSecond * timing.panels_s / count,
+        100.0 * timing.panels_s / std::max(timing.frames_s, 1e-9), timing.panel_frames);
 }
 
 // Frames until the script, the number of frames or the user ends them.
@@ -117,7 +117,7 @@ Result<bool> run_viewer(const ViewOptions& options, std::ostream& out)
     }
     screen_notes().reading = script.has_value();
     StageOptions stage = options.stage;
-    App app{std::move(*window), stage, settings, settings.scale, options.headless};
+    App app{std::move(*window), stage, settings, settings.scale};
     if (!options.scene.empty()) {
         app.viewer().open(options.scene);
     }

@@ -85,7 +85,7 @@ Result<bool> ScriptRunner::begin(const ScriptStep& step, const ScreenNotes& note
     case ScriptStep::Kind::click_label: {
         const auto place = notes.places.find(step.text);
         if (place == notes.places.end()) {
-            return failed(step, fmt::format("nothing is labelled '{}'", step.text));
+            return failed(step, fmt::format("nothing in sight is labelled '{}'", step.text));
         }
         click({place->second.x, place->second.y}, 0);
         break;

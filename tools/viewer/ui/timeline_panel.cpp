@@ -87,6 +87,19 @@ Sums sums_of(const FrameTrace& trace)
     return sums;
 }
 
+// Writes on the same line if there is room for it, and else on the next one.
+void flowing_text(const std::string& words, const ImVec4& color)
+{
+    const float end = ImGui::GetItemRectMax().x + ImGui::GetStyle().ItemSpacing.x +
+                      ImGui::CalcTextSize(words.c_str()).x;
+    if (end < ImGui::GetWindowPos().x + ImGui::GetContentRegionMax().x) {
+        ImGui::SameLine();
+    }
+    ImGui::PushStyleColor(ImGuiCol_Text, color);
+    text(words);
+    ImGui::PopStyleColor();
+}
+
 void show_sums(const Sums& sums, const std::string& algorithm)
 {
     constexpr double kMsPerSecond = 1000.0;
@@ -94,14 +107,13 @@ void show_sums(const Sums& sums, const std::string& algorithm)
     text(fmt::format("{}: {:.2f} ms =", algorithm, kMsPerSecond * sums.total));
     for (size_t i = 0; i < kLanes.size(); ++i) {
         rest -= sums.lanes[i];
-        ImGui::SameLine();
-        ImGui::TextColored({kLanes[i].color.r, kLanes[i].color.g, kLanes[i].color.b, 1.0f},
-                           "%s %.2f", kLanes[i].name, kMsPerSecond * sums.lanes[i]);
+        flowing_text(fmt::format("{} {:.2f}", kLanes[i].name, kMsPerSecond * sums.lanes[i]),
+                     {kLanes[i].color.r, kLanes[i].color.g, kLanes[i].color.b, 1.0f});
     }
-    ImGui::SameLine();
-    text(fmt::format("algorithm {:.2f}", kMsPerSecond * std::max(rest, 0.0)));
-    ImGui::SameLine();
-    ImGui::TextDisabled("finish %.2f", kMsPerSecond * sums.finish);
+    flowing_text(fmt::format("algorithm {:.2f}", kMsPerSecond * std::max(rest, 0.0)),
+                 ImGui::GetStyleColorVec4(ImGuiCol_Text));
+    flowing_text(fmt::format("finish {:.2f}", kMsPerSecond * sums.finish),
+                 ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
 }
 
 void show_lanes(const FrameTrace& trace, float height)

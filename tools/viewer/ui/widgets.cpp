@@ -35,6 +35,7 @@ void set_up_style(float scale)
     style.GrabRounding = 3.0f;
     style.ItemSpacing = {7.0f, 5.0f};
     style.Colors[ImGuiCol_WindowBg] = {0.10f, 0.11f, 0.13f, 1.0f};
+    style.Colors[ImGuiCol_PopupBg] = {0.07f, 0.08f, 0.09f, 1.0f};
     style.Colors[ImGuiCol_Header] = {0.18f, 0.24f, 0.31f, 1.0f};
     style.Colors[ImGuiCol_TextDisabled] = {0.66f, 0.68f, 0.72f, 1.0f};
     style.ScaleAllSizes(scale);
@@ -79,8 +80,8 @@ PanelScope::~PanelScope()
 
 void note_item(std::string_view label)
 {
-    if (!screen_notes().reading) {
-        return;
+    if (!screen_notes().reading || !ImGui::IsItemVisible()) {
+        return; // nobody can click what is scrolled out of its panel
     }
     const ImVec2 low = ImGui::GetItemRectMin();
     const ImVec2 high = ImGui::GetItemRectMax();
