@@ -1,4 +1,5 @@
 // The whole viewer without a window: panels, input and pictures.
+// Long because: every behaviour of the application is tested through one fixture with one scene.
 #ifdef OCCLUDE_HAS_VIEWER
 
 #include "support/source_dir.h"
