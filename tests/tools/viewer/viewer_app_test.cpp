@@ -308,7 +308,7 @@ TEST_F(InTheApp, EveryDeviceOfTheProgramCanBeChosenAndStaysExact)
 TEST_F(InTheApp, LoadingTellsWhatItDoesAndTheShareThatIsDone)
 {
     Viewer& viewer = app_->viewer();
-    viewer.open(source_dir() + "/assets/castle/castle.glb");
+    viewer.open(source_dir() + "/assets/bunny/bunny.glb");
     std::set<std::string> phases;
     double largest = -1.0;
     while (viewer.loader().loading()) {
