@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace occlude {
 
@@ -29,9 +30,8 @@ constexpr uint32_t kSameFrames = 3; // before an actor is cut
 constexpr uint64_t kForgetAfterFrames = 300;
 
 struct Polygon {
-    vtkIdType number = 0;
     uint32_t triangles = 0;
-    glm::dvec3 middle{0.0};
+    Aabb box = Aabb::empty();
 };
 
 bool has_colors(vtkMapper& mapper, vtkPolyData& leaf)
@@ -73,34 +73,57 @@ bool can_be_cut(vtkMapper& mapper, const std::vector<vtkPolyData*>& leaves)
     });
 }
 
-// Splits the range at the median along its longest side, until parts are small enough.
-void split(std::span<Polygon> range, uint32_t block_triangles,
-           std::vector<std::span<Polygon>>& parts)
+float half_area(const Aabb& box)
+{
+    const glm::vec3 size = box.max - box.min;
+    return size.x * size.y + size.y * size.z + size.z * size.x;
+}
+
+// Where the run is best parted in two, by the surface area heuristic; an eighth is the least part.
+size_t best_cut(std::span<const Polygon> run)
+{
+    std::vector<float> behind(run.size()); // the cost of the polygons from there on
+    Aabb box = Aabb::empty();
+    uint32_t triangles = 0;
+    for (size_t i = run.size(); i-- > 1;) {
+        box = merge(box, run[i].box);
+        triangles += run[i].triangles;
+        behind[i] = half_area(box) * static_cast<float>(triangles);
+    }
+    box = Aabb::empty();
+    triangles = 0;
+    size_t best = run.size() / 2;
+    float least = std::numeric_limits<float>::max();
+    for (size_t i = 1; i < run.size() * 7 / 8; ++i) {
+        box = merge(box, run[i - 1].box);
+        triangles += run[i - 1].triangles;
+        const float cost = half_area(box) * static_cast<float>(triangles) + behind[i];
+        if (cost < least && i > run.size() / 8) {
+            least = cost;
+            best = i;
+        }
+    }
+    return best;
+}
+
+// Parts a run of polygons until the parts are small enough. Polygons keep their order: where two
+// have the same depth, the later one shows.
+void split(std::span<const Polygon> run, size_t begin, uint32_t block_triangles,
+           std::vector<std::pair<size_t, size_t>>& parts)
 {
     uint64_t triangles = 0;
-    glm::dvec3 low{std::numeric_limits<double>::max()};
-    glm::dvec3 high{std::numeric_limits<double>::lowest()};
-    for (const Polygon& polygon : range) {
+    for (const Polygon& polygon : run) {
         triangles += polygon.triangles;
-        low = glm::min(low, polygon.middle);
-        high = glm::max(high, polygon.middle);
     }
-    if (triangles <= block_triangles || range.size() < 2) {
-        parts.push_back(range);
+    if (triangles <= block_triangles || run.size() < 2) {
+        parts.emplace_back(begin, begin + run.size());
         return;
     }
-    const glm::dvec3 size = high - low;
-    int axis = size.y > size.x ? 1 : 0;
-    axis = size.z > size[axis] ? 2 : axis;
-    const size_t half = range.size() / 2;
-    std::ranges::nth_element(range, range.begin() + static_cast<ptrdiff_t>(half),
-                             [axis](const Polygon& a, const Polygon& b) {
-                                 return a.middle[axis] != b.middle[axis]
-                                            ? a.middle[axis] < b.middle[axis]
-                                            : a.number < b.number;
-                             });
-    split(range.first(half), block_triangles, parts);
-    split(range.subspan(half), block_triangles, parts);
+    const size_t half = triangles <= 4 * uint64_t{block_triangles}
+                            ? run.size() / 2 // so that parts are not tiny
+                            : best_cut(run);
+    split(run.first(half), begin, block_triangles, parts);
+    split(run.subspan(half), begin + half, block_triangles, parts);
 }
 
 std::vector<Polygon> polygons_of(vtkPolyData& surface)
@@ -112,11 +135,13 @@ std::vector<Polygon> polygons_of(vtkPolyData& surface)
         vtkIdType count = 0;
         const vtkIdType* corners = nullptr;
         cells.GetCellAtId(cell, count, corners);
-        Polygon polygon{cell, static_cast<uint32_t>(std::max<vtkIdType>(count - 2, 0)), {}};
+        Polygon polygon;
+        polygon.triangles = static_cast<uint32_t>(std::max<vtkIdType>(count - 2, 0));
         for (vtkIdType i = 0; i < count; ++i) {
             glm::dvec3 corner;
             surface.GetPoint(corners[i], &corner.x);
-            polygon.middle += corner / static_cast<double>(count);
+            const glm::vec3 point{corner};
+            polygon.box = merge(polygon.box, {point, point});
         }
         polygons.push_back(polygon);
     }
@@ -154,17 +179,16 @@ Bounds placed_by(vtkActor& actor, const Bounds& local)
 
 std::vector<vtkSmartPointer<vtkPolyData>> cut(vtkPolyData& surface, uint32_t block_triangles)
 {
-    std::vector<Polygon> polygons = polygons_of(surface);
-    std::vector<std::span<Polygon>> parts;
-    split(polygons, std::max(block_triangles, 1u), parts);
+    const std::vector<Polygon> polygons = polygons_of(surface);
+    std::vector<std::pair<size_t, size_t>> parts;
+    split(polygons, 0, std::max(block_triangles, 1u), parts);
     std::vector<vtkSmartPointer<vtkPolyData>> blocks;
-    for (const std::span<Polygon> part : parts) {
-        std::ranges::sort(part, {}, &Polygon::number);
+    for (const auto& [begin, end] : parts) {
         const vtkNew<vtkCellArray> cells;
-        for (const Polygon& polygon : part) {
+        for (size_t polygon = begin; polygon < end; ++polygon) {
             vtkIdType count = 0;
             const vtkIdType* corners = nullptr;
-            surface.GetPolys()->GetCellAtId(polygon.number, count, corners);
+            surface.GetPolys()->GetCellAtId(static_cast<vtkIdType>(polygon), count, corners);
             cells->InsertNextCell(count, corners);
         }
         auto block = vtkSmartPointer<vtkPolyData>::New();

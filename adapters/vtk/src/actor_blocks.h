@@ -31,8 +31,8 @@ struct ActorBlock {
 /// The bounds of the image of `local` under the actor's matrix.
 Bounds placed_by(vtkActor& actor, const Bounds& local);
 
-/// Parts of `surface` of at most `block_triangles` triangles each, by median cuts. They share its
-/// points and the data at them, and keep its order of polygons.
+/// Parts of `surface` of at most `block_triangles` triangles each: runs of its polygons, cut where
+/// the boxes of the runs become small. They share its points and the data at them.
 std::vector<vtkSmartPointer<vtkPolyData>> cut(vtkPolyData& surface, uint32_t block_triangles);
 
 class ActorBlocks {

@@ -15,12 +15,14 @@
 #include <vtkOpenGLRenderer.h>
 #include <vtkOpenGLState.h>
 #include <vtkProperty.h>
+#include <vtkSmartPointer.h>
 #include <vtkTexture.h>
 
 #include <epoxy/gl.h>
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
+#include <limits>
 
 namespace occlude {
 
@@ -43,6 +45,7 @@ public:
             actor.SetPropertyKeys(made);
             own = made;
         }
+        before_ = vtkSmartPointer<vtkInformation>::New();
         before_->Copy(own);
         own->Append(keys_);
     }
@@ -64,8 +67,17 @@ public:
 private:
     vtkActor& actor_;
     vtkInformation* keys_;
-    vtkNew<vtkInformation> before_;
+    vtkSmartPointer<vtkInformation> before_;
 };
+
+// More pairs of boxes than this are not compared: everything is drawn again.
+constexpr size_t kMostPairs = 1u << 21;
+
+bool touch(const Aabb& a, const Aabb& b)
+{
+    return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
+           a.min.z <= b.max.z && b.min.z <= a.max.z;
+}
 
 // Blending that leaves an opaque colour as it is.
 bool blends_opaque_as_itself(vtkOpenGLState& state)
@@ -174,7 +186,9 @@ bool PropView::draw(vtkRenderer& renderer, vtkInformation* keys, std::span<const
                                       {viewport_[2], viewport_[3]}, {}, options);
 
     painter_.start(renderer, keys);
+    sequence_.clear();
     stats.report = culler_.cull(view);
+    stats.redrawn_items = settle_ties(ids);
     const auto here = std::ranges::count_if(culler_.drawn_items(), [&](ItemId item) {
         return place_of_item_[item.value] != kNotThere;
     });
@@ -184,6 +198,56 @@ bool PropView::draw(vtkRenderer& renderer, vtkInformation* keys, std::span<const
         culler_.forget();
     }
     return true;
+}
+
+void PropView::draw_place(uint32_t place)
+{
+    painter_.draw(items_[place]);
+    sequence_.push_back(place);
+}
+
+// Where two surfaces have the same depth, the renderer shows the one that it draws last. An item
+// that came after one of a later place may have taken such pixels from it: that one is drawn again,
+// which changes nothing else.
+size_t PropView::settle_ties(std::span<const ItemId> ids)
+{
+    late_.clear();
+    uint32_t last_place = 0;
+    uint32_t first_late = std::numeric_limits<uint32_t>::max();
+    drawn_at_.assign(items_.size(), kNotThere);
+    for (uint32_t time = 0; time < sequence_.size(); ++time) {
+        const uint32_t place = sequence_[time];
+        drawn_at_[place] = time;
+        if (place < last_place) {
+            late_.push_back(place);
+            first_late = std::min(first_late, place);
+        }
+        last_place = std::max(last_place, place);
+    }
+    if (late_.empty() || !last_wins_) {
+        return 0;
+    }
+    size_t redrawn = 0;
+    const bool all = late_.size() * sequence_.size() > kMostPairs;
+    auto time = static_cast<uint32_t>(sequence_.size());
+    for (uint32_t place = first_late + 1; place < items_.size(); ++place) {
+        if (drawn_at_[place] == kNotThere) {
+            continue;
+        }
+        const Aabb& box = tree_.box(ids[place]);
+        const bool overdrawn = all || std::ranges::any_of(late_, [&](uint32_t late) {
+                                   return late < place && drawn_at_[late] > drawn_at_[place] &&
+                                          touch(tree_.box(ids[late]), box);
+                               });
+        if (overdrawn) {
+            painter_.draw(items_[place]);
+            drawn_at_[place] = time++;
+            late_.push_back(place);
+            ++redrawn;
+        }
+    }
+    painter_.finish();
+    return redrawn;
 }
 
 // A window that is finalized and shown again has a new context, maybe at the old one's address.
@@ -212,6 +276,7 @@ bool PropView::can_test(vtkRenderer& renderer)
     glGetIntegerv(GL_VIEWPORT, viewport_.data());
     glGetFloatv(GL_DEPTH_RANGE, range.data());
     glGetIntegerv(GL_DEPTH_FUNC, &function);
+    last_wins_ = function == GL_LEQUAL;
     return range[0] == 0.0f && range[1] == 1.0f && state.GetEnumState(GL_DEPTH_TEST) &&
            (function == GL_LEQUAL || function == GL_LESS) && !state.GetEnumState(GL_STENCIL_TEST) &&
            glIsEnabled(GL_COLOR_LOGIC_OP) == GL_FALSE && blends_opaque_as_itself(state);
@@ -220,7 +285,7 @@ bool PropView::can_test(vtkRenderer& renderer)
 void PropView::begin_frame(const View&)
 {
     for (const uint32_t place : first_) {
-        painter_.draw(items_[place]);
+        draw_place(place);
     }
     painter_.finish();
 }
@@ -233,7 +298,7 @@ void PropView::draw(std::span<const ItemId> items, DrawPass)
             batch_.insert(place_of_item_[item.value]);
         }
     }
-    batch_.take_all([this](uint32_t place) { painter_.draw(items_[place]); });
+    batch_.take_all([this](uint32_t place) { draw_place(place); });
     painter_.finish();
 }
 

@@ -62,6 +62,8 @@ public:
 private:
     static constexpr uint32_t kNotThere = 0xffffffffu;
 
+    void draw_place(uint32_t place);
+    size_t settle_ties(std::span<const ItemId> ids);
     void follow_context(vtkRenderer& renderer);
     bool can_test(vtkRenderer& renderer);
 
@@ -74,7 +76,11 @@ private:
     std::span<const DrawnItem> items_; ///< of the frame
     std::vector<uint32_t> first_;      ///< places that are drawn before all tests
     std::vector<uint32_t> place_of_item_;
-    PlaceSet batch_; ///< empty between calls
+    std::vector<uint32_t> sequence_; ///< places in the order of drawing
+    std::vector<uint32_t> drawn_at_; ///< by place: its number in sequence_, or kNotThere
+    std::vector<uint32_t> late_;     ///< places drawn after later ones
+    bool last_wins_ = false;         ///< at equal depth
+    PlaceSet batch_;                 ///< empty between calls
 };
 
 } // namespace occlude

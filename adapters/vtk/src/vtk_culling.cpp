@@ -2,23 +2,16 @@
 
 #include "actor_blocks.h"
 #include "culled_props.h"
-#include "prop_kind.h"
+#include "prop_states.h"
 
 #include <vtkActor.h>
 #include <vtkCullerCollection.h>
-#include <vtkMapper.h>
-#include <vtkMath.h>
-#include <vtkMatrix4x4.h>
+#include <vtkFrustumCoverageCuller.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
-#include <vtkOpenGLActor.h>
-#include <vtkPolyData.h>
-#include <vtkPolyDataMapper.h>
 #include <vtkPropCollection.h>
 #include <vtkRenderer.h>
 
-#include <algorithm>
-#include <cmath>
 #include <span>
 #include <typeinfo>
 #include <vector>
@@ -27,44 +20,18 @@ namespace occlude {
 
 namespace {
 
-// Positions are multiplied by a matrix in float: each coordinate of the mesh may be off by a few of
-// these shares of the largest.
-constexpr double kFloatShare = 0x1p-21;
-
-double slack_of(vtkActor& actor)
+// True if a culler before `self` has asked each prop in the list for its bounds.
+bool bounds_are_up_to_date(vtkRenderer& renderer, const vtkCuller& self)
 {
-    const double* bounds = actor.GetMapper()->GetBounds();
-    double reach = 0.0;
-    for (int i = 0; i < 6; ++i) {
-        reach = std::max(reach, std::abs(bounds[i]));
-    }
-    double scale = 0.0;
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) {
-            scale = std::max(scale, std::abs(actor.GetMatrix()->GetElement(row, column)));
+    vtkCullerCollection& cullers = *renderer.GetCullers();
+    cullers.InitTraversal();
+    for (vtkCuller* culler = cullers.GetNextItem(); culler != nullptr && culler != &self;
+         culler = cullers.GetNextItem()) {
+        if (typeid(*culler) == typeid(vtkFrustumCoverageCuller)) {
+            return true;
         }
     }
-    return kFloatShare * reach * scale;
-}
-
-Bounds bounds_of(vtkProp& prop)
-{
-    Bounds bounds{};
-    std::copy_n(prop.GetBounds(), bounds.size(), bounds.begin());
-    return bounds;
-}
-
-bool has_bounds(vtkProp& prop)
-{
-    const double* bounds = prop.GetUseBounds() ? prop.GetBounds() : nullptr;
-    return bounds != nullptr && vtkMath::AreBoundsInitialized(bounds) != 0;
-}
-
-PropKind kind_in_list(vtkProp& prop)
-{
-    const bool bounded = has_bounds(prop); // and the pipeline is up to date
-    const PropKind kind = kind_of(prop);
-    return kind == PropKind::testable && !bounded ? PropKind::kept : kind;
+    return false;
 }
 
 } // namespace
@@ -73,11 +40,12 @@ struct VtkCulling::Parts {
     vtkNew<CulledProps> culled;
     ActorBlocks blocks;
     VtkCullingOptions options;
-    std::vector<PropKind> kinds; ///< by place in the renderer's list
+    PropStates known;
+    std::vector<const PropState*> states; ///< by place in the renderer's list
 
     void choose_run(size_t& begin, size_t& end) const;
     void expect_all(vtkRenderer& renderer);
-    void take(vtkActor& actor);
+    void take(vtkActor& actor, const PropState& state);
 };
 
 vtkStandardNewMacro(VtkCulling);
@@ -122,9 +90,9 @@ void VtkCulling::Parts::choose_run(size_t& begin, size_t& end) const
     size_t start = 0;
     size_t testable = 0;
     begin = end = 0;
-    for (size_t place = 0; place <= kinds.size(); ++place) {
-        if (place < kinds.size() && kinds[place] != PropKind::ordered) {
-            testable += kinds[place] == PropKind::testable ? 1 : 0;
+    for (size_t place = 0; place <= states.size(); ++place) {
+        if (place < states.size() && states[place]->kind != PropKind::ordered) {
+            testable += states[place]->kind == PropKind::testable ? 1 : 0;
             continue;
         }
         if (testable > most) {
@@ -144,32 +112,24 @@ void VtkCulling::Parts::expect_all(vtkRenderer& renderer)
     vtkCollectionSimpleIterator at{};
     props.InitTraversal(at);
     while (vtkProp* prop = props.GetNextProp(at)) {
-        if (prop->GetVisibility() != 0 && kind_in_list(*prop) == PropKind::testable) {
-            auto& actor = static_cast<vtkActor&>(*prop);
-            culled->expect(prop, bounds_of(*prop), slack_of(actor), 1);
+        if (prop->GetVisibility() == 0) {
+            continue;
+        }
+        const PropState& state = known.of(*prop, false);
+        if (state.kind == PropKind::testable) {
+            culled->expect(prop, state.bounds, state.slack, state.triangles);
         }
     }
 }
 
-void VtkCulling::Parts::take(vtkActor& actor)
+void VtkCulling::Parts::take(vtkActor& actor, const PropState& state)
 {
-    uint32_t triangles = 0;
-    vtkMapper& mapper = *actor.GetMapper();
-    if (auto* plain = vtkPolyDataMapper::SafeDownCast(&mapper);
-        plain != nullptr && plain->GetInput() != nullptr) {
-        triangles = triangles_of(*plain->GetInput());
-    } else {
-        for (vtkPolyData* leaf : leaves_of(mapper)) {
-            triangles += triangles_of(*leaf);
-        }
-    }
-    const double slack = slack_of(actor);
-    const std::span<const ActorBlock> cut = blocks.blocks_of(actor, triangles);
+    const std::span<const ActorBlock> cut = blocks.blocks_of(actor, state.triangles);
     if (cut.empty()) {
-        culled->add({&actor, nullptr, 0}, bounds_of(actor), slack, triangles);
+        culled->add({&actor, nullptr, 0}, state.bounds, state.slack, state.triangles);
     }
     for (uint32_t i = 0; i < cut.size(); ++i) { // number 0 is the actor as a whole
-        culled->add({&actor, cut[i].mapper, i + 1}, placed_by(actor, cut[i].bounds), slack,
+        culled->add({&actor, cut[i].mapper, i + 1}, placed_by(actor, cut[i].bounds), state.slack,
                     cut[i].triangles);
     }
 }
@@ -187,9 +147,11 @@ double VtkCulling::Cull(vtkRenderer* renderer, vtkProp** props, int& count, int&
     if (!enabled_ || renderer->GetSelector() != nullptr || renderer->GetUseShadows() != 0) {
         return total;
     }
-    parts_->kinds.clear();
+    const bool up_to_date = bounds_are_up_to_date(*renderer, *this);
+    parts_->known.begin_frame();
+    parts_->states.clear();
     for (vtkProp* prop : list) {
-        parts_->kinds.push_back(kind_in_list(*prop));
+        parts_->states.push_back(&parts_->known.of(*prop, up_to_date));
     }
     size_t begin = 0;
     size_t end = 0;
@@ -201,7 +163,7 @@ double VtkCulling::Cull(vtkRenderer* renderer, vtkProp** props, int& count, int&
     size_t kept = begin;
     for (size_t place = begin; place < list.size(); ++place) {
         vtkProp* prop = list[place];
-        if (place >= end || parts_->kinds[place] != PropKind::testable) {
+        if (place >= end || parts_->states[place]->kind != PropKind::testable) {
             list[kept++] = prop;
             continue;
         }
@@ -210,7 +172,7 @@ double VtkCulling::Cull(vtkRenderer* renderer, vtkProp** props, int& count, int&
         if (culled.stats().culled_props++ == 0) {
             list[kept++] = &culled; // in the place of the first one
         }
-        parts_->take(static_cast<vtkActor&>(*prop));
+        parts_->take(static_cast<vtkActor&>(*prop), *parts_->states[place]);
     }
     if (first_frame) {
         parts_->expect_all(*renderer);

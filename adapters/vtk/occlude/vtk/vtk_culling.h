@@ -13,8 +13,8 @@
 // Blocks       An actor with many triangles, and a composite data set, are cut into blocks that are
 //              culled one by one, where their colours do not depend on the cutting.
 // Boxes        vtkProp::GetBounds(), as for the renderer's own frustum culling.
-// Image        The same as without the adapter, pixel by pixel, with two exceptions that
-//              docs/adapters/vtk.md explains: surfaces at equal depth, and llvmpipe's needles.
+// Image        The same as without the adapter, pixel by pixel, with one exception that
+//              docs/adapters/vtk.md explains: llvmpipe's needles.
 // Picking      Selections by hardware, and shadows (vtkRenderer::UseShadows), draw everything.
 // State        vtkOpenGLState never notices: what tests change in OpenGL is put back exactly.
 #pragma once
@@ -53,6 +53,7 @@ struct VtkCullingStats {
     uint64_t items = 0;         ///< such actors, and blocks of them
     uint64_t hidden_items = 0;  ///< found hidden, and not drawn
     uint64_t unknown_items = 0; ///< not in the hierarchy yet, and drawn first
+    uint64_t redrawn_items = 0; ///< drawn again, so that they win at equal depth as they should
     uint64_t moved_items = 0;   ///< whose box has changed since the last frame
     uint64_t rebuilds = 0;      ///< hierarchies built since the first frame
     FrameReport report;
