@@ -295,13 +295,9 @@ TEST(InvariantsCases, HoldEveryExactAlgorithmThatTestsBoxes)
 {
     for (const AlgorithmInfo& info : algorithms()) {
         if (info.needs.queries && info.exact && !info.needs.visible_set) {
-            EXPECT_EQ(std::ranges::count_if(cases(),
-                                            [&](const Case& c) {
-                                                return c.algorithm == info.name &&
-                                                       c.options.empty();
-                                            }),
-                      1)
-                << info.name;
+            EXPECT_TRUE(std::ranges::any_of(cases(), [&](const Case& c) {
+                return c.algorithm == info.name;
+            })) << info.name;
         }
     }
 }
