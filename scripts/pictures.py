@@ -78,10 +78,11 @@ key F
 click "overview"
 wait 3
 click "tested boxes"
+move 620 560
 wait 30
 screenshot {folder}/viewer_frozen.png
 click "tested boxes"
-click 565 205
+click 585 165
 wait 10
 click "what hides it?"
 wait 10
@@ -90,6 +91,8 @@ key F4
 wait 20
 screenshot {folder}/viewer_timeline.png
 """
+MAX_COVERAGE = 1  # Image.Quantize.MAXCOVERAGE, by the number that older versions of Pillow know
+
 VIEWER = ["viewer_start", "viewer_split", "viewer_frozen", "viewer_why", "viewer_timeline"]
 
 ANIMATION = "street"
@@ -120,8 +123,8 @@ def palette(header):
 
 
 def keep(image, path):
-    """Writes a picture with at most 256 colours, which is all it needs."""
-    image.convert("RGB").quantize(256, dither=0).save(path, optimize=True)
+    """Writes a picture with 256 colours, which is all it needs: those of legends, too, small as they are."""
+    image.convert("RGB").quantize(256, method=MAX_COVERAGE, dither=0).save(path, optimize=True)
     print(f"pictures: {path.relative_to(ROOT)}, {path.stat().st_size // 1000} kB")
 
 

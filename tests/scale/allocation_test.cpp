@@ -32,6 +32,14 @@ __attribute__((noinline)) void* operator new(size_t size)
     }
     throw std::bad_alloc{};
 }
+// Otherwise AddressSanitizer answers with memory of its own, which delete below would hand to free.
+__attribute__((noinline)) void* operator new(size_t size, const std::nothrow_t&) noexcept
+{
+    ++allocations;
+    void* memory = std::malloc(size > 0 ? size : 1);
+    live_bytes += memory != nullptr ? malloc_usable_size(memory) : 0;
+    return memory;
+}
 // GCC 12 sees malloc and operator delete, and not that this one is its counterpart.
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 void operator delete(void* memory) noexcept
