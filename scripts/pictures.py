@@ -82,7 +82,7 @@ move 620 560
 wait 30
 screenshot {folder}/viewer_frozen.png
 click "tested boxes"
-click 585 165
+click 552 165
 wait 10
 click "what hides it?"
 wait 10
