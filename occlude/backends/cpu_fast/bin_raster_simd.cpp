@@ -121,9 +121,11 @@ HWY_INLINE void for_each_vector(const BinPrim& prim, Wanted&& wanted, Use&& use)
             const VI offset = hn::Set(kI, kMagicBits + stripe * kStripeWidth);
             const VI begin = hn::Max(hn::Sub(first, offset), hn::Zero(kI));
             const VI end = hn::Min(hn::Sub(last, offset), hn::Set(kI, kStripeWidth - 1));
-            // Where begin > end they may be no bits of a word; then the result does not count.
-            const VU from_begin = hn::Shl(hn::Set(kU, ~0u), hn::BitCast(kU, begin));
-            const VU after_end = hn::Shl(hn::Set(kU, ~1u), hn::BitCast(kU, end));
+            // Where begin > end, they may lie outside of the word. The result does not count there,
+            // but a shift by more than the word is not defined on every target.
+            const VI word = hn::Set(kI, kStripeWidth - 1);
+            const VU from_begin = hn::Shl(hn::Set(kU, ~0u), hn::BitCast(kU, hn::And(begin, word)));
+            const VU after_end = hn::Shl(hn::Set(kU, ~1u), hn::BitCast(kU, hn::And(end, word)));
             const VU masks = hn::IfThenZeroElse(hn::RebindMask(kU, hn::Gt(begin, end)),
                                                 hn::AndNot(after_end, from_begin));
             use(index, sub_tiles_from_rows(masks), depth);
